@@ -17,53 +17,25 @@ from contact_study.inputs import plugins
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
 from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.study import sweep
 from contact_study.study.case import Case
 from contact_study.study.reading import automatic
-from contact_study.study.reading.bare_numbers import bare_numbers
-from contact_study.study.reading.overrides import replace_keys
-from contact_study.study.reading.spectrum_file import TABLE, with_spectrum
-from contact_study.study.reading.tables import with_columns
-from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, is_sweep, last, read, split
+from contact_study.study.reading.tables import TABLE, with_columns, with_spectrum
+from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, bare_numbers, is_sweep, replace_keys
 from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
 from contact_study.study.schema.surface import AbsentSurface, SurfaceSection
-from contact_study.study.sweep import (
-    SweptKey,
-    check_exceptions,
-    check_sweep,
-    coordinates_of,
-    points_of,
-    sections_at,
-    swept_key,
-    without_effect,
-)
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study file, checked.
+    """A study file, checked."""
 
-    Attributes
-    ----------
-    table : dict
-        The whole input, overrides included, as TOML would hold it.
-    directory : pathlib.Path
-        Where relative paths of the study start.
-    cases : tuple of Case
-        Every point of the sweep, the last swept key running fastest.
-    sweep : dict
-        Swept keys by their last part, the leading dimensions of every dataset.
-    notes : tuple of str
-        What in the file has no effect, or is likely to mean something else.
-    choices : tuple of str
-        What the file left to be chosen, and what was.
-    """
-
-    table: dict[str, Any]
-    directory: Path
-    cases: tuple[Case, ...]
-    sweep: dict[str, SweptKey]
-    notes: tuple[str, ...] = ()
-    choices: tuple[str, ...] = ()
+    table: dict[str, Any]  # the whole input, overrides included, as TOML would hold it
+    directory: Path  # where relative paths of the study start
+    cases: tuple[Case, ...]  # every point of the sweep, the last swept key running fastest
+    sweep: dict[str, sweep.SweptKey]  # by the last part of a key: the leading dimensions of every dataset
+    notes: tuple[str, ...] = ()  # what in the file has no effect, or is likely to mean something else
+    choices: tuple[str, ...] = ()  # what the file left to be chosen, and what was
 
     @property
     def title(self) -> str:
@@ -72,10 +44,7 @@ class Study:
 
     @cached_property
     def scales(self) -> tuple[SurfaceScales, ...]:
-        """Scales of the surface of each case, calculated once for equal surfaces.
-
-        Raises InputError if a height map cannot be used.
-        """
+        """Scales of the surface of each case, calculated once for equal surfaces."""
         known: dict[SurfaceSection, SurfaceScales] = {}
         for case in self.cases:
             case.__dict__.setdefault("scales", known.get(case.surface) or case.scales)
@@ -157,20 +126,17 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     """
     plugins.load()
     _check_structure(table)
-    table = _with_files(table, Path(directory))
+    table = with_spectrum(table, Path(directory))
+    for section, declared in SECTIONS.items():  # what a study holds decides its numbers, not a file
+        if isinstance(declared, TaggedUnion) and section in table:
+            columns = getattr(declared.section_of(table[section]), "columns", None)
+            if columns:
+                table[section] = with_columns(table[section], section, columns, Path(directory))
     swept = table.get("sweep", {})
-    points = list(points_of(swept))
-    merged = sections_at(table, [point for point, _ in points])
+    points = list(sweep.points_of(swept))
+    merged = sweep.sections_at(table, [point for point, _ in points])
     scales: dict[SurfaceSection, SurfaceScales] = {}
     cases = tuple(_case(one, *point, Path(directory), scales) for one, point in zip(merged, points, strict=True))
-    _check_field_steps(cases)
-    keys = {last(dotted): swept_key(dotted, written, cases) for dotted, written in swept.items()}
-    notes = without_effect(table, merged)
-    return Study(table, Path(directory), cases, keys, notes, automatic.describe_choices(merged, cases))
-
-
-def _check_field_steps(cases: tuple[Case, ...]) -> None:
-    """Every point whose fields are to be kept is on some path."""
     longest = max(len(case.path) for case in cases)
     for number in cases[0].output.field_steps or ():
         if not -longest <= number < longest:
@@ -178,17 +144,9 @@ def _check_field_steps(cases: tuple[Case, ...]) -> None:
                 f"output.field_steps: {number} is no point of the path, which has {longest}: 0 to {longest - 1}, or "
                 "-1 for the last"
             )
-
-
-def _with_files(table: dict[str, Any], directory: Path) -> dict[str, Any]:
-    """The table with the numbers of files that its sections name, see :func:`with_columns`, :func:`with_spectrum`."""
-    found = with_spectrum(table, directory)
-    for section, declared in SECTIONS.items():
-        if isinstance(declared, TaggedUnion) and section in table:
-            columns = getattr(declared.section_of(table[section]), "columns", None)
-            if columns:
-                found[section] = with_columns(table[section], section, columns, directory)
-    return found
+    keys = {dotted.rpartition(".")[2]: sweep.swept_key(dotted, written, cases) for dotted, written in swept.items()}
+    notes, choices = sweep.without_effect(table, merged), automatic.describe_choices(merged, cases)
+    return Study(table, Path(directory), cases, keys, notes, choices)
 
 
 def _check_structure(table: dict[str, Any]) -> None:
@@ -199,25 +157,15 @@ def _check_structure(table: dict[str, Any]) -> None:
                 raise InputError(f"{section} = {content!r}: expected a section, [{section}]")
         elif section != "override":
             raise InputError(f"unknown section [{section}]; known: {', '.join(SECTIONS)}, sweep, override")
-    _check_lists(table)
-    check_sweep(table.get("sweep", {}))
-    check_exceptions(table.get("override", []), table.get("sweep", {}))
-    for dotted in table.get("sweep", {}):  # a value that the sweep replaces is written there to be read, too
-        section, name = split(dotted, "sweep")
-        if name in table.get(section, {}):
-            read(dotted, table[section][name])
-
-
-def _check_lists(table: dict[str, Any]) -> None:
-    """No key that takes one value has a list of them, which is a sweep."""
-    for section, content in table.items():
-        for name, value in content.items() if section in SECTIONS and section not in WHOLE_STUDY else ():
+    for section, declared in SECTIONS.items():
+        for name, value in table.get(section, {}).items() if section not in WHOLE_STUDY else ():
             dotted = f"{section}.{name}"
-            if name in keys_of(SECTIONS[section]) and is_sweep(dotted, value, value):
+            if name in keys_of(declared) and is_sweep(dotted, value, value):
                 raise InputError(
                     f"{dotted} = {value!r}: takes one value; to run a case for each, put the list into [sweep], "
                     f'"{dotted}" = [...]'
                 )
+    sweep.check(table)
 
 
 def _case(
@@ -247,7 +195,7 @@ def _case(
         if cell is None:
             raise InputError("loading.path: forces act on a cell, which needs surface.size; give pressures")
         bound["loading"] = bound["loading"].spread(math.prod(cell))
-    case = Case(**bound, coordinates=coordinates_of(point), index=index, directory=directory)
+    case = Case(**bound, coordinates=sweep.coordinates_of(point), index=index, directory=directory)
     if case.surface in scales:
         case.__dict__["scales"] = scales[case.surface]
     return case

@@ -7,7 +7,7 @@ from typing import Any
 
 from contact_study.inputs.errors import InputError
 from contact_study.study.case import Case
-from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, last, read, same, split
+from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, read, same, split
 from contact_study.study.schema.interaction import AUTO, LENGTH
 from contact_study.study.schema.keys import TaggedUnion, default_of, keys_of
 
@@ -21,8 +21,9 @@ class SweptKey:
     description: str
 
 
-def check_sweep(swept: dict[str, Any]) -> None:
-    """Raise InputError unless these keys can be swept over these values."""
+def check(table: dict[str, Any]) -> None:
+    """Raise InputError unless the sweep and the exceptions of a study's table can be made."""
+    swept: dict[str, Any] = table.get("sweep", {})
     seen: set[str] = set()
     for dotted, values in swept.items():
         section, name = split(dotted, "sweep")
@@ -41,10 +42,9 @@ def check_sweep(swept: dict[str, Any]) -> None:
         if name in seen:
             raise InputError(f"sweep: two swept keys are called {name}")
         seen.add(name)
-
-
-def check_exceptions(exceptions: Any, swept: dict[str, Any]) -> None:
-    """Raise InputError unless these are exceptions that points of this sweep may make."""
+        if name in table.get(section, {}):  # a value that the sweep replaces is written there to be read, too
+            read(dotted, table[section][name])
+    exceptions = table.get("override", [])
     if not isinstance(exceptions, list) or not all(isinstance(item, dict) for item in exceptions):
         raise InputError('override: expected tables, [[override]] with when = { "section.key" = value }')
     for item in exceptions:
@@ -67,24 +67,27 @@ def points_of(swept: dict[str, list[Any]]) -> Iterator[tuple[dict[str, Any], tup
         yield {dotted: values[i] for (dotted, values), i in zip(swept.items(), index, strict=True)}, index
 
 
-def _apply(table: dict[str, Any], point: dict[str, Any], exceptions: list[dict[str, Any]]) -> dict[str, Any]:
-    merged = {name: dict(table.get(name, {})) for name in SECTIONS}
-    for dotted, value in point.items():
-        section, name = split(dotted, "sweep")
-        merged[section][name] = value
-    for item in exceptions:
-        if _matches(merged, item["when"]):
-            for dotted, value in item.items():
-                if dotted != "when":
-                    section, name = split(dotted, "override")
-                    merged[section][name] = value
+def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The sections of a study's table at each point: with swept values and exceptions, without keys of other kinds."""
+    merged = []
+    for point in points:
+        one: dict[str, Any] = {name: dict(table.get(name, {})) for name in SECTIONS}
+        _put(one, point)
+        for item in table.get("override", []):
+            if _matches(one, item["when"]):
+                _put(one, {dotted: value for dotted, value in item.items() if dotted != "when"})
+        merged.append(one)
+    for section, declared in SECTIONS.items():
+        if isinstance(declared, TaggedUnion):
+            own = declared.without_others([one[section] for one in merged])
+            merged = [{**one, section: content} for one, content in zip(merged, own, strict=True)]
     return merged
 
 
-def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The sections of a study's table at each point: with swept values and exceptions, without keys of other kinds."""
-    exceptions = table.get("override", [])
-    return _of_own_kind([_apply(table, point, exceptions) for point in points])
+def _put(merged: dict[str, Any], values: dict[str, Any]) -> None:
+    for dotted, value in values.items():
+        section, _, name = dotted.partition(".")
+        merged[section][name] = value
 
 
 def without_effect(table: dict[str, Any], merged: Sequence[dict[str, Any]]) -> tuple[str, ...]:
@@ -94,15 +97,6 @@ def without_effect(table: dict[str, Any], merged: Sequence[dict[str, Any]]) -> t
         for number, item in enumerate(table.get("override", []), 1)
         if not any(_matches(one, item["when"]) for one in merged)
     )
-
-
-def _of_own_kind(merged: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Remove from each point the keys of kinds that it does not have."""
-    for section, declared in SECTIONS.items():
-        if isinstance(declared, TaggedUnion):
-            own = declared.without_others([one[section] for one in merged])
-            merged = [{**one, section: table} for one, table in zip(merged, own, strict=True)]
-    return merged
 
 
 def _matches(merged: dict[str, Any], when: dict[str, Any]) -> bool:
@@ -124,10 +118,7 @@ def points(cases: Sequence[Case], study_size: int) -> str:
 
 
 def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> SweptKey:
-    """A key that the cases vary over the values written in the file.
-
-    Raises InputError if two of the values are one.
-    """
+    """A key that the cases vary over the values written in the file; InputError if two of the values are one."""
     section, name = split(dotted, "sweep")
     declaration = keys_of(SECTIONS[section])[name]
     units = (declaration.unit or "1").replace("J/m^2", "J m-2")
@@ -139,16 +130,17 @@ def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> Swe
 
 
 def coordinates_of(point: dict[str, Any]) -> dict[str, Any]:
-    """Value of each swept key at a point, in SI, by the key's name."""
-    return {last(dotted): _scalar(read(dotted, value), dotted) for dotted, value in point.items()}
-
-
-def _scalar(value: Any, dotted: str) -> Any:
-    """One number for a key that takes one for both axes: a sweep's values are scalars."""
-    if not isinstance(value, tuple):
-        return value
-    if len(value) != 2:
-        raise InputError(f"sweep.{dotted}: a list cannot be swept; give points of a sweep their own by [[override]]")
-    if value[0] != value[1]:
-        raise InputError(f"sweep.{dotted}: holds {list(value)}; a swept pair must have two equal values")
-    return value[0]
+    """Value of each swept key at a point, in SI, by the key's name; one number for a key of both axes."""
+    found = {}
+    for dotted, written in point.items():
+        value = read(dotted, written)
+        if isinstance(value, tuple):
+            if len(value) != 2:
+                raise InputError(
+                    f"sweep.{dotted}: a list cannot be swept; give points of a sweep their own by [[override]]"
+                )
+            if value[0] != value[1]:
+                raise InputError(f"sweep.{dotted}: holds {list(value)}; a swept pair must have two equal values")
+            value = value[0]
+        found[dotted.rpartition(".")[2]] = value
+    return found

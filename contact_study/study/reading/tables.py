@@ -1,46 +1,63 @@
-"""Columns of numbers from a text file, such as a measured law, as they go into a study."""
+"""Columns of numbers from a file, as they go into a study: measured laws and solids, and roughness spectra."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contact_study.inputs import units
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
+from contact_study.physics.roughness.spectrum import TabulatedSpectrum
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # Letters of a line that a message shows.
 _SHOWN = 40
+
+FILE, TABLE = "file", "table"
+_KEY = "spectrum_path"
+_UNIT_KEYS = ("wavevector_unit", "density_unit")
+_SI = ("m^-1", "m^4")
+_NAMES = ("wavevector", "power")
+
+_OWN = "power_spectrum"  # the spectrum of a surface in this project's own datasets
+_MOST = 20_000  # more rows than any average over directions has; a study holds them all
+_ROUNDING = 1e-20  # of the largest power: what a transform leaves of waves that a surface does not have
 
 
 def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, str]]) -> list[list[float]]:
     """Read the columns of a text table, between blanks, tabs or commas, in SI; ``#`` begins a comment.
 
     ``name`` is the key that names the file; ``column_units`` gives for each column the key of its unit, that unit and
-    the SI unit. Raises InputError if the file cannot be read, holds other than that many columns of finite numbers, or
-    a unit is of another kind.
+    the SI unit.
     """
-    lines = [(number, line.split("#")[0]) for number, line in enumerate(text_of(path, name).splitlines(), 1)]
+    lines = [(number, line.split("#")[0]) for number, line in enumerate(_text_of(path, name).splitlines(), 1)]
     rows = [(number, line) for number, line in lines if line.strip()]
     if not rows:
         raise InputError(f"{name}: {path} is empty; expected {len(column_units)} columns of numbers")
-    table = numbers_of(rows, f"{name}: {path}", r"[\s,]+")
+    table = _numbers_of(rows, f"{name}: {path}", r"[\s,]+")
     if table.shape[1] != len(column_units) or not np.all(np.isfinite(table)):
         raise InputError(
             f"{name}: {path} holds a table of shape {table.shape}; expected {len(column_units)} columns of finite "
             "numbers"
         )
-    sizes = [_size(*unit) for unit in column_units]
-    return [[float(value) * size for value in column] for column, size in zip(table.T, sizes, strict=True)]
+    columns = []
+    for column, (key, unit, si) in zip(table.T, column_units, strict=True):
+        try:
+            size = units.quantity(f"1 {unit}", si, key)
+        except InputError:
+            raise InputError(f"{key} = {unit!r}: is no unit that can be converted to {si}") from None
+        columns.append([float(value) * size for value in column])
+    return columns
 
 
-def numbers_of(rows: Sequence[tuple[int, str]], where: str, separator: str) -> np.ndarray:
-    """Read the numbers of numbered lines, a row a line, between separators (a regular expression).
-
-    Raises InputError if a line holds a word, or more or fewer numbers than the first; ``where`` names key and file.
-    """
+def _numbers_of(rows: Sequence[tuple[int, str]], where: str, separator: str) -> np.ndarray:
+    """Read the numbers of numbered lines, a row a line, between separators (a regular expression)."""
     table: list[list[float]] = []
     first = 0
     for number, line in rows:
@@ -63,16 +80,7 @@ def numbers_of(rows: Sequence[tuple[int, str]], where: str, separator: str) -> n
     return np.array(table, ndmin=2)
 
 
-def _size(key: str, unit: str, si: str) -> float:
-    """Size in SI of a unit that a key names."""
-    try:
-        return units.quantity(f"1 {unit}", si, key)
-    except InputError:
-        raise InputError(f"{key} = {unit!r}: is no unit that can be converted to {si}") from None
-
-
-def text_of(path: Path, name: str) -> str:
-    """Read the text of a file; raise InputError, in the name of a key, if that is not possible."""
+def _text_of(path: Path, name: str) -> str:
     try:
         refuse_endless(path)
         return path.read_text(encoding="utf-8-sig")
@@ -87,7 +95,7 @@ def with_columns(
     """Replace the key ``path`` of a section by the columns of the file that it names.
 
     A study then contains all that decides its numbers. ``columns`` gives for each column's key the key of its unit, the
-    default unit and the SI unit. Raises InputError as :func:`read_columns`, and for columns beside the file.
+    default unit and the SI unit.
     """
     if not isinstance(table.get("path"), str):
         return dict(table)
@@ -99,3 +107,186 @@ def with_columns(
     left_behind = {"path", *(key for key, _, _ in columns.values())}
     kept = {name: value for name, value in table.items() if name not in left_behind}
     return {**kept, **dict(zip(columns, read, strict=True))}
+
+
+def read_spectrum(
+    path: Path | str, wavevector_unit: str | None = None, density_unit: str | None = None
+) -> TabulatedSpectrum:
+    """Read a roughness spectrum from a file.
+
+    Parameters
+    ----------
+    path : path-like
+        NetCDF (``.nc``), with one spectrum on its wavevectors, or ``power_spectrum`` as the datasets here have it; else
+        text, q and C(q) a row a line, between blanks, tabs or commas. A header names the columns with their units,
+        ``q (1/m), C (m^4)``; columns beyond these two need one, and are left out. Rows of no power at the ends, or of
+        a transform's rounding, are outside of the spectrum.
+    wavevector_unit, density_unit : str, optional
+        Units where the file is silent.
+
+    Returns
+    -------
+    TabulatedSpectrum
+
+    Raises
+    ------
+    InputError
+        If there is no such file, a unit is missing, unknown or not that of the quantity, or there is no spectrum in it.
+
+    Examples
+    --------
+    >>> from theory import read_spectrum
+    >>> spectrum = read_spectrum("psd.csv", "nm^-1", "nm^4")  # doctest: +SKIP
+    """
+    return TabulatedSpectrum(*_columns(Path(path), "path", (wavevector_unit, density_unit)))
+
+
+def with_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
+    """A study with the numbers of the file that ``theory.spectrum_path`` names, and ``"table"`` for ``"file"``."""
+    section = table.get("theory", {})
+    if not isinstance(section.get(_KEY), str):
+        return dict(table)
+    beside = [name for name in ("wavevectors", "density") if name in section]
+    if beside:
+        raise InputError(f"theory.{_KEY} and theory.{beside[0]}: give the file or its numbers, not both")
+    swept = table.get("sweep", {})
+    if FILE not in (*_words(section.get("spectrum")), *_words(swept.get("theory.spectrum"))):
+        raise InputError(f'theory.{_KEY} is given, but theory.spectrum does not name "{FILE}"')
+    given = [section.get(name) for name in _UNIT_KEYS]
+    q, density = _columns(directory / section[_KEY], f"theory.{_KEY}", given)
+    kept = {name: value for name, value in section.items() if name not in (_KEY, *_UNIT_KEYS)}
+    if "spectrum" in kept:
+        kept["spectrum"] = _renamed(kept["spectrum"])
+    changed = {**table, "theory": {**kept, "wavevectors": q.tolist(), "density": density.tolist()}}
+    if "theory.spectrum" in swept:
+        changed["sweep"] = {**swept, "theory.spectrum": _renamed(swept["theory.spectrum"])}
+    return changed
+
+
+def _words(spectrum: Any) -> list[Any]:
+    if isinstance(spectrum, str):
+        return [word.strip() for word in spectrum.split(",")]
+    return spectrum if isinstance(spectrum, list) else [spectrum]
+
+
+def _renamed(spectrum: Any) -> Any:
+    words = [TABLE if word == FILE else word for word in _words(spectrum)]
+    return words if isinstance(spectrum, list) or len(words) > 1 else words[0]
+
+
+def _columns(path: Path, key: str, given: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
+    where = f"{key}: {path}"
+    columns, said = _netcdf(path, where) if path.suffix.lower() == ".nc" else _text(path, key, where)
+    q, density = (
+        column * _factor(where, name, own, asked, si)
+        for column, name, own, asked, si in zip(columns, _NAMES, said, given, _SI, strict=True)
+    )
+    return _checked(where, q, density)
+
+
+def _factor(where: str, name: str, own: str | None, asked: Any, si: str) -> float:
+    """Size of a column's unit in SI."""
+    if own is None and asked is None:
+        keys = dict(zip(_NAMES, _UNIT_KEYS, strict=True))
+        raise InputError(
+            f'{where} does not say the unit of its {name}; give a header, "q (1/m), C (m^4)", or theory.{keys[name]}'
+        )
+    sizes = [units.quantity(f"1 {_spelt(unit)}", si, f"{where}, unit of {name}") for unit in (own, asked) if unit]
+    if len(sizes) > 1 and not math.isclose(*sizes, rel_tol=1e-9):
+        raise InputError(f"{where}: its {name} is in {own}, the study says {asked}")
+    return sizes[0]
+
+
+def _spelt(unit: Any) -> str:
+    """A unit as keys spell it: 1/m and m-1 are m^-1, m4 is m^4."""
+    words = re.sub(r"^1\s*/\s*([^\W\d]+)$", r"\1^-1", str(unit).strip())
+    return re.sub(r"([^\W\d])(-?\d+)", r"\1^\2", words)
+
+
+def _text(path: Path, key: str, where: str) -> tuple[np.ndarray, list[str | None]]:
+    """Both columns, and the units that a header gives them."""
+    stripped = ((number, line.strip()) for number, line in enumerate(_text_of(path, key).splitlines(), 1))
+    lines = [(number, line) for number, line in stripped if line]
+    header = [line.lstrip("#").strip() for _, line in lines if line.startswith("#") or not _is_number(line)]
+    rows = [(number, line) for number, line in lines if not line.startswith("#") and _is_number(line)]
+    bracketed = [re.findall(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]", line) for line in header]
+    named = next((found for found in reversed(bracketed) if len(found) >= len(_NAMES)), None)
+    table = _numbers_of(rows, where, r"[\s,;]+")
+    if not table.size or table.shape[1] < len(_NAMES) or (table.shape[1] > len(_NAMES) and named is None):
+        raise InputError(
+            f"{where} holds {table.shape[1] if table.size else 'no'} columns of numbers; expected q and C(q), and more "
+            'only under a header such as "q (1/m), C (m^4)"'
+        )
+    return table.T[:2], [None, None] if named is None else named[:2]
+
+
+def _is_number(line: str) -> bool:
+    try:
+        float(re.split(r"[\s,;]+", line)[0])
+    except ValueError:
+        return False
+    return True
+
+
+def _netcdf(path: Path, where: str) -> tuple[np.ndarray, list[str | None]]:
+    """The spectrum of a dataset and its wavevectors, with their units."""
+    import xarray as xr  # slow to import
+
+    try:
+        refuse_endless(path)
+    except OSError as error:
+        raise InputError(f"{where} cannot be read ({error.strerror})") from None
+    try:
+        with xr.open_dataset(path, decode_timedelta=False) as opened:
+            dataset = opened.load()
+    except MemoryError:
+        raise
+    except Exception as error:  # of a dozen types, of a file that is damaged
+        raise InputError(f"{where} is no NetCDF file ({str(error).partition(chr(10))[0]})") from None
+    density = _spectrum_in(dataset, where)
+    axis = dataset[density.dims[0]]
+    there = np.isfinite(axis.values)  # surfaces of fewer wavevectors are padded
+    return np.stack([axis.values, density.values])[:, there], [
+        variable.attrs.get("units") for variable in (axis, density)
+    ]
+
+
+def _spectrum_in(dataset: "xr.Dataset", where: str) -> "xr.DataArray":
+    names = [_OWN] if _OWN in dataset else [str(name) for name, values in dataset.items() if values.squeeze().ndim == 1]
+    if len(names) != 1:
+        raise InputError(f"{where} holds {len(names)} variables on one dimension ({', '.join(names)}); expected one")
+    density = dataset[names[0]].squeeze(drop=True)
+    if density.ndim != 1 or density.dims[0] not in dataset.coords:
+        raise InputError(
+            f"{where}: {names[0]} stands on {', '.join(map(str, density.dims))}; expected one spectrum on its "
+            "wavevectors"
+        )
+    return density
+
+
+def _checked(where: str, q: np.ndarray, density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rows that hold a spectrum; those at the ends whose power is none, or a transform's rounding, are outside."""
+    for name, column, si, bad in (
+        ("wavevector", q, _SI[0], ~np.isfinite(q) | (q <= 0)),
+        ("power", density, _SI[1], ~np.isfinite(density) | (density < 0)),
+    ):
+        if bad.any():
+            row = int(np.argmax(bad))
+            raise InputError(f"{where}, row {row + 1}: {name} {column[row]:g} {si}; must be a positive number")
+    falling = np.flatnonzero(np.diff(q) <= 0)
+    if falling.size:
+        row = int(falling[0]) + 1
+        raise InputError(f"{where}, row {row + 1}: wavevector {q[row]:g} m^-1 after {q[row - 1]:g}; they must rise")
+    held = np.flatnonzero(density > _ROUNDING * density.max(initial=0.0))
+    if held.size < 2:
+        raise InputError(f"{where} holds {held.size} rows with power; a spectrum needs two, a range of wavevectors")
+    if held.size > _MOST:
+        raise InputError(f"{where} holds {held.size} rows; average it to {_MOST} at most")
+    q, density = q[held[0] : held[-1] + 1], density[held[0] : held[-1] + 1]
+    if not density.all():
+        row = held[0] + int(np.argmin(density))
+        raise InputError(f"{where}, row {row + 1}: power 0 m^4 between others; leave such rows out")
+    for name, column, si in (("wavevector", q, _SI[0]), ("power", density, _SI[1])):
+        for value in (column.min(), column.max()):
+            units.quantity(float(value), si, f"{where}, {name}")
+    return q, density

@@ -1,14 +1,17 @@
-"""The sections that a study file may have, and their keys by dotted names, such as ``interaction.length``."""
+"""The sections that a study file may have, and their keys by dotted names, such as ``interaction.length``.
+
+Keys given on the command line, in place of the file's, and numbers of the file without a unit.
+"""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from contact_study.inputs.errors import InputError
 from contact_study.study.schema import sections
 from contact_study.study.schema.elasticity import ELASTICITIES
 from contact_study.study.schema.interaction import INTERACTIONS
-from contact_study.study.schema.keys import Key, TaggedUnion, default_of, keys_of, replacement
+from contact_study.study.schema.keys import Key, TaggedUnion, default_of, keys_of, listed, replacement
 from contact_study.study.schema.surface import SURFACES
 
 SECTIONS: dict[str, type | TaggedUnion] = {
@@ -28,6 +31,8 @@ SECTIONS: dict[str, type | TaggedUnion] = {
 }
 WHOLE_STUDY = ("study", "output")  # sections that every point of a sweep shares
 
+_SHOWN = 3  # keys that a message shows
+
 
 def all_keys() -> Iterator[tuple[str, str, Key, Any]]:
     """Section, key, declaration and default of everything a study file may hold."""
@@ -37,20 +42,12 @@ def all_keys() -> Iterator[tuple[str, str, Key, Any]]:
 
 
 def split(dotted: str, where: str) -> tuple[str, str]:
-    """Section and name of a dotted key.
-
-    Raises InputError if there is no such key; ``where`` says what holds it.
-    """
+    """Section and name of a dotted key; InputError if there is no such key in what ``where`` names."""
     section, _, name = dotted.partition(".")
     if section not in SECTIONS or name not in keys_of(SECTIONS[section]):
         meant = replacement(dotted) or "; expected section.key, such as interaction.well_depth_ratio"
         raise InputError(f"{where}: unknown key {dotted!r}{meant}")
     return section, name
-
-
-def last(dotted: str) -> str:
-    """The name of a dotted key."""
-    return dotted.rpartition(".")[2]
 
 
 def read(dotted: str, value: Any, where: str = "") -> Any:
@@ -82,3 +79,68 @@ def same(one: Any, other: Any) -> bool:
     if isinstance(one, tuple) and isinstance(other, tuple):
         return len(one) == len(other) and all(same(*pair) for pair in zip(one, other, strict=True))
     return bool(one == other)
+
+
+def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
+    """Put keys, by their dotted names, in place of those of a study's table; raise InputError for unknown ones.
+
+    A swept key takes a value or a list; a list for a key that takes one value sweeps it. The table loses its exceptions
+    for these keys, and keys of other kinds than one chosen here.
+    """
+    dotted_parts = [table.get("sweep", {}), *table.get("override", [])]
+    for dotted, value in overrides.items():
+        section, _, name = dotted.partition(".")
+        kinds = SECTIONS.get(section)
+        if not isinstance(kinds, TaggedUnion) or name != kinds.tag or dotted in table.get("sweep", {}):
+            continue
+        for content, prefix in ((table.get(section, {}), ""), *((part, f"{section}.") for part in dotted_parts)):
+            for key in [key for key in content if key.startswith(prefix)]:
+                own = key.removeprefix(prefix)
+                if key.removeprefix(prefix) in keys_of(kinds) and not kinds.has(
+                    {name: value}, key.removeprefix(prefix)
+                ):
+                    del content[key]
+    for dotted, value in overrides.items():
+        section, name = split(dotted, "command line")
+        several = listed(value) if isinstance(value, str) and "," in value else value
+        if dotted in table.get("sweep", {}):
+            table["sweep"][dotted] = several if isinstance(several, list) else [several]
+        elif section not in WHOLE_STUDY and is_sweep(dotted, value, several):
+            table.setdefault("sweep", {})[dotted] = several
+        else:
+            table.setdefault(section, {})[name] = value
+        for item in table.get("override", []):  # the command line has the last word
+            item.pop(dotted, None)
+
+
+def bare_numbers(table: Mapping[str, Any]) -> tuple[str, ...]:
+    """A line on the keys of a study file, checked, whose numbers are taken in SI for want of a unit, if there are.
+
+    A person who writes 2 seldom means 2 Pa.
+    """
+    given = [(f"{section}.{name}", value) for section in SECTIONS for name, value in table.get(section, {}).items()]
+    for part in (table.get("sweep", {}), *table.get("override", [])):
+        given += [(dotted, value) for dotted, value in part.items() if dotted != "when"]
+    found = {}
+    for dotted, value in given:
+        section, name = split(dotted, "")
+        unit = keys_of(SECTIONS[section])[name].unit
+        if dotted == "loading.path":
+            unit = "Pa" if table["loading"].get("control", "pressure") == "pressure" else "m"
+        number = next(_numbers(value), None)
+        if unit is not None and number is not None:
+            found[dotted] = f"{dotted} = {number!r} is {number!r} {unit}"
+    if not found:
+        return ()
+    more = f", and {len(found) - _SHOWN} keys more" if len(found) > _SHOWN else ""
+    shown = ", ".join(list(found.values())[:_SHOWN])
+    return (f'numbers without a unit are taken in SI: {shown}{more}; write the unit, as in "2 GPa" or "10 um"',)
+
+
+def _numbers(value: Any) -> Iterator[int | float]:
+    """The numbers of a value but for zero, which is the same in every unit."""
+    if isinstance(value, list):
+        for item in value:
+            yield from _numbers(item)
+    elif isinstance(value, int | float) and not isinstance(value, bool) and value != 0:
+        yield value

@@ -7,31 +7,31 @@ from typing import Any, ClassVar
 from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer, Layered, Measured, Viscoelastic
 from contact_study.physics.solids.base import indentation_modulus, stiffnesses
-from contact_study.study.schema.keys import TaggedUnion, choice, key, quantity, sequence, text
+from contact_study.study.schema.keys import (
+    METRES,
+    PASCALS,
+    SECONDS,
+    TEXT,
+    TaggedUnion,
+    check_table,
+    choice,
+    key,
+    quantity,
+    sequence,
+)
 from contact_study.study.schema.sections import MaterialSection
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticitySection(ABC):
-    """The solid that the block is made of; its constants are those of ``[material]``.
+    """The solid that the block is made of, of the constants of ``[material]``; a kind declares its keys as fields."""
 
-    A kind declares its own keys as fields.
-
-    Attributes
-    ----------
-    words : str
-        The solid in a sentence, before its constants; a name in braces is replaced by the values of that key.
-    may_be_free : bool
-        Whether its surface may extend beyond the rigid one instead of being repeated with it.
-    makes : type or None
-        Class whose objects a Python study may give in place of these keys.
-    """
-
+    # The solid in a sentence, before its constants; a name in braces is replaced by the values of that key.
     words: ClassVar[str]
-    may_be_free: ClassVar[bool] = False
-    makes: ClassVar[type[Elasticity] | None] = None
+    may_be_free: ClassVar[bool] = False  # whether its surface may extend beyond the rigid one, and not be repeated
+    makes: ClassVar[type[Elasticity] | None] = None  # whose objects a Python study may give in place of these keys
 
-    kind: str = key(text(), "what solid the block is", "half_space")
+    kind: str = key(TEXT, "what solid the block is", "half_space")
     boundary: str = key(
         choice("periodic", "free"),
         "surface and block repeated periodically, or the surface of one cell on a half-space",
@@ -55,7 +55,6 @@ class ElasticitySection(ABC):
         return {}
 
 
-@dataclass(frozen=True, kw_only=True)
 class HalfSpaceSection(ElasticitySection):
     """The default, which needs no key."""
 
@@ -74,7 +73,7 @@ class LayerSection(ElasticitySection):
     words = "a layer of thickness {thickness} bonded to a rigid base, "
     makes: ClassVar[type[Elasticity] | None] = Layer
 
-    thickness: float = key(quantity("m", positive=True), "thickness of the layer")
+    thickness: float = key(METRES, "thickness of the layer")
 
     def solid(self, material: MaterialSection) -> Elasticity:
         return Layer(material.contact_modulus, material.poissons_ratio, self.thickness)
@@ -94,7 +93,7 @@ class LayeredSection(LayerSection):
     )
     makes = Layered
 
-    base_youngs_modulus: float = key(quantity("Pa", positive=True), "Young's modulus of the half-space under the layer")
+    base_youngs_modulus: float = key(PASCALS, "Young's modulus of the half-space under the layer")
     base_poissons_ratio: float = key(
         quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio of the half-space under the layer"
     )
@@ -127,11 +126,11 @@ class TransverselyIsotropicSection(ElasticitySection):
     )
     may_be_free = True
 
-    axial_modulus: float = key(quantity("Pa", positive=True), "Young's modulus along the normal of the surface")
+    axial_modulus: float = key(PASCALS, "Young's modulus along the normal of the surface")
     axial_poissons_ratio: float = key(
         quantity("1", minimum=-2.0, maximum=2.0), "contraction in the plane over extension along the normal"
     )
-    axial_shear_modulus: float = key(quantity("Pa", positive=True), "shear modulus between plane and normal")
+    axial_shear_modulus: float = key(PASCALS, "shear modulus between plane and normal")
 
     def solid(self, material: MaterialSection) -> HalfSpace:
         try:
@@ -148,24 +147,18 @@ class TransverselyIsotropicSection(ElasticitySection):
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredSection(ElasticitySection):
-    """Keys of a table, from a file whose numbers it becomes when the study is read.
-
-    Attributes
-    ----------
-    columns : mapping
-        Of the file, see :func:`~contact_study.study.reading.tables.with_columns`.
-    """
+    """Keys of a table, from a file whose numbers it becomes when the study is read."""
 
     words = "of tabulated stiffness K(q), quoted by "
     makes = Measured
-    columns: ClassVar[dict[str, tuple[str, str, str]]] = {
+    columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see reading.tables.with_columns
         "wavenumber": ("wavenumber_unit", "m^-1", "m^-1"),
         "stiffness": ("stiffness_unit", "Pa/m", "Pa/m"),
     }
 
-    path: str | None = key(text(), "text table of wavenumber and stiffness K, relative to the study file", None)
-    wavenumber_unit: str = key(text(), "unit of the wavenumbers in that table", "m^-1")
-    stiffness_unit: str = key(text(), "unit of the stiffnesses in that table", "Pa/m")
+    path: str | None = key(TEXT, "text table of wavenumber and stiffness K, relative to the study file", None)
+    wavenumber_unit: str = key(TEXT, "unit of the wavenumbers in that table", "m^-1")
+    stiffness_unit: str = key(TEXT, "unit of the stiffnesses in that table", "Pa/m")
     wavenumber: tuple[float, ...] | None = key(
         sequence(quantity("m^-1", positive=True)), "wavenumbers of the table, in place of path", None
     )
@@ -175,19 +168,12 @@ class MeasuredSection(ElasticitySection):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.path is not None:
-            raise InputError("elasticity.path: one table a study; it cannot be swept or overridden")
-        if self.wavenumber is None or self.stiffness is None:
-            raise InputError(
-                f'missing key elasticity.path: kind = "{self.kind}" needs a table, or elasticity.wavenumber and '
-                "stiffness"
-            )
+        numbers = {"wavenumber": self.wavenumber, "stiffness": self.stiffness}
+        check_table("elasticity", f'kind = "{self.kind}"', self.path, numbers)
 
     def solid(self, material: MaterialSection) -> Measured:
-        assert self.wavenumber is not None  # just checked, both
-        assert self.stiffness is not None
         try:
-            return Measured(material.contact_modulus, self.wavenumber, self.stiffness)
+            return Measured(material.contact_modulus, self.wavenumber or (), self.stiffness or ())
         except ValueError as error:
             raise InputError(f"elasticity: the table of the stiffness {error}") from None
 
@@ -204,11 +190,9 @@ class ViscoelasticSection(ElasticitySection):
     makes = Viscoelastic
 
     branch_youngs_moduli: tuple[float, ...] = key(
-        sequence(quantity("Pa", positive=True)), "Young's moduli E_i of the branches, beside material.youngs_modulus"
+        sequence(PASCALS), "Young's moduli E_i of the branches, beside material.youngs_modulus"
     )
-    relaxation_times: tuple[float, ...] = key(
-        sequence(quantity("s", positive=True)), "times τ_i in which the branches relax, one for each"
-    )
+    relaxation_times: tuple[float, ...] = key(sequence(SECONDS), "times τ_i in which the branches relax, one for each")
 
     def solid(self, material: MaterialSection) -> Viscoelastic:
         if len(self.branch_youngs_moduli) != len(self.relaxation_times):

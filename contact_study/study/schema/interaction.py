@@ -8,7 +8,17 @@ import numpy as np
 from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LAWS, HardWall, TabulatedLaw, TractionLaw
 from contact_study.physics.laws.exponential import RAMP
-from contact_study.study.schema.keys import TaggedUnion, key, or_word, quantity, sequence, text
+from contact_study.study.schema.keys import (
+    FACTOR,
+    METRES,
+    TEXT,
+    TaggedUnion,
+    check_table,
+    key,
+    or_word,
+    quantity,
+    sequence,
+)
 
 # The key that may be left to be chosen, and the word that does so.
 LENGTH, AUTO = "interaction.length", "auto"
@@ -18,26 +28,42 @@ LENGTH, AUTO = "interaction.length", "auto"
 class InteractionSection:
     """The keys that every law shares; a law with further keys or checks has a subclass."""
 
-    law: str = key(text(), "traction-separation law of the continuum", "lennard_jones_10_4")
+    adhesive: ClassVar[bool] = False  # has a strength and a length
+    cored: ClassVar[bool] = False  # has a repulsive core, its length is the equilibrium distance
+    refuses: ClassVar[dict[str, str]] = {}  # keys that it has no use for, and why, in words after its name
+
+    law: str = key(TEXT, "traction-separation law of the continuum", "lennard_jones_10_4")
     well_depth: float | None = key(
         quantity("J", positive=True), "ε of the pair potential between two layers of atoms (10-4 law)", None
     )
     work_of_adhesion: float | None = key(quantity("J/m^2", positive=True), "Δγ, in place of well_depth", None)
-    well_depth_ratio: float = key(quantity("1", positive=True), "multiplies well_depth or work_of_adhesion", 1.0)
+    well_depth_ratio: float = key(FACTOR, "multiplies well_depth or work_of_adhesion", 1.0)
     length: float | None = key(
-        or_word(quantity("m", positive=True), AUTO),
+        or_word(METRES, AUTO),
         "equilibrium distance, range or reach of the law; auto: longest of JKR-like contacts",
         None,
     )
     contact_distance: float | None = key(
-        quantity("m", positive=True),
-        "gaps below it count as contact, default 2^(1/6) length; outside a wall, touching it",
-        None,
+        METRES, "gaps below it count as contact, default 2^(1/6) length; outside a wall, touching it", None
     )
 
     def __post_init__(self):
         if self.well_depth is not None and self.work_of_adhesion is not None:
             raise InputError("interaction.well_depth and interaction.work_of_adhesion: give one of the two, not both")
+        for name, why in self.refuses.items():
+            if getattr(self, name) is not None:
+                raise InputError(f'interaction.{name}: law = "{self.law}" {why}')
+        if self.adhesive and self.well_depth is None and self.work_of_adhesion is None:
+            raise InputError(
+                f'missing key interaction.well_depth or interaction.work_of_adhesion: law = "{self.law}" needs one'
+            )
+        if self.adhesive and self.length is None:
+            raise InputError(f'missing key interaction.length: law = "{self.law}" needs it')
+        if self.cored and self.contact_distance is not None and self.contact_distance <= (self.length or 0.0):
+            raise InputError(
+                f"interaction.contact_distance = {self.contact_distance:g} m: must exceed the equilibrium distance, "
+                f"interaction.length = {self.length:g} m"
+            )
 
     def make_law(self, work_of_adhesion: float) -> TractionLaw:
         """Make the law of these keys, whose fields have the names of the keys, for a work of adhesion (J/m²)."""
@@ -51,51 +77,28 @@ class InteractionSection:
         own = {field.name: getattr(law, field.name) for field in fields(law)[1:]}
         return own | ({"work_of_adhesion": law.work_of_adhesion} if law.attracts else {})
 
-    def _check_adhesion(self) -> None:
-        """A law with adhesion has a strength and a length."""
-        if self.well_depth is None and self.work_of_adhesion is None:
-            raise InputError(
-                f'missing key interaction.well_depth or interaction.work_of_adhesion: law = "{self.law}" needs one'
-            )
-        if self.length is None:
-            raise InputError(f'missing key interaction.length: law = "{self.law}" needs it')
 
-
-@dataclass(frozen=True, kw_only=True)
 class SmoothInteraction(InteractionSection):
     """A law with a repulsive core, whose length is its equilibrium distance."""
 
-    def __post_init__(self):
-        super().__post_init__()
-        self._check_adhesion()
-        assert self.length is not None  # just checked
-        if self.contact_distance is not None and self.contact_distance <= self.length:
-            raise InputError(
-                f"interaction.contact_distance = {self.contact_distance:g} m: must exceed the equilibrium distance, "
-                f"interaction.length = {self.length:g} m"
-            )
+    adhesive = cored = True
 
 
-@dataclass(frozen=True, kw_only=True)
 class PlainAdhesion(InteractionSection):
     """A law that no pair of atoms stands for: its adhesion is given as Δγ."""
 
-    def __post_init__(self):
-        super().__post_init__()
-        if self.well_depth is not None:
-            raise InputError(
-                f'interaction.well_depth: law = "{self.law}" is not made of pairs of atoms; '
-                "give interaction.work_of_adhesion"
-            )
-        self._check_adhesion()
+    adhesive = True
+    refuses: ClassVar[dict[str, str]] = {
+        "well_depth": "is not made of pairs of atoms; give interaction.work_of_adhesion"
+    }
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlainSmooth(PlainAdhesion, SmoothInteraction):
+class PlainSmooth(PlainAdhesion):
     """A law with a repulsive core whose adhesion is given as Δγ."""
 
+    cored = True
 
-@dataclass(frozen=True, kw_only=True)
+
 class HardWallInteraction(InteractionSection):
     """A hard wall has no numbers."""
 
@@ -107,32 +110,27 @@ class HardWallInteraction(InteractionSection):
         return {}
 
 
-@dataclass(frozen=True, kw_only=True)
 class HalfSpacesInteraction(SmoothInteraction):
     """Keys of the 9-3 law, whose adhesion does not follow from a pair of layers."""
 
-    def __post_init__(self):
-        super().__post_init__()
-        if self.well_depth is not None:
-            raise InputError(
-                'interaction.well_depth: law = "lennard_jones_9_3" is that of two half-spaces, whose adhesion needs '
-                "the number of atoms per volume of both; give interaction.work_of_adhesion and length = z0 "
-                "(docs/conventions.md has both from ε, r0 and the densities)"
-            )
+    refuses: ClassVar[dict[str, str]] = {
+        "well_depth": "is that of two half-spaces, whose adhesion needs the number of atoms per volume of both; give "
+        "interaction.work_of_adhesion and length = z0 (docs/conventions.md has both from ε, r0 and the densities)"
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
 class MorseInteraction(PlainSmooth):
     """Keys of Morse's law."""
 
-    range: float = key(quantity("m", positive=True), "length over which the attraction fades")
+    range: float = key(METRES, "length over which the attraction fades")
 
 
 @dataclass(frozen=True, kw_only=True)
 class CoredInteraction(MorseInteraction):
     """Keys of a law with an exponential repulsion; its length is the equilibrium distance."""
 
-    core: float = key(quantity("m", positive=True), "decay length of the repulsion")
+    core: float = key(METRES, "decay length of the repulsion")
 
     def __post_init__(self):
         super().__post_init__()
@@ -149,23 +147,21 @@ class CoredInteraction(MorseInteraction):
         return self.range, "interaction.range"
 
 
-def _ramp() -> Any:
-    number = quantity("1", positive=True, maximum=0.5)
-    return key(number, "width of the end of the constant tension, over its reach", RAMP)
+_RAMP = quantity("1", positive=True, maximum=0.5), "width of the end of the constant tension, over its reach", RAMP
 
 
 @dataclass(frozen=True, kw_only=True)
 class DugdaleInteraction(PlainAdhesion):
     """Keys of Dugdale's law."""
 
-    ramp: float = _ramp()
+    ramp: float = key(*_RAMP)
 
 
 @dataclass(frozen=True, kw_only=True)
 class DugdaleCoreInteraction(CoredInteraction):
     """A core shorter than the ramp at the end of the tension, which it would outlast."""
 
-    ramp: float = _ramp()
+    ramp: float = key(*_RAMP)
 
     @property
     def _longest_core(self) -> tuple[float, str]:
@@ -176,54 +172,39 @@ class DugdaleCoreInteraction(CoredInteraction):
 class RepulsiveInteraction(InteractionSection):
     """Keys of a soft repulsion."""
 
-    length: float = key(quantity("m", positive=True), "gap at which the repulsion begins")
+    refuses: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("well_depth", "work_of_adhesion"), "does not attract; give interaction.repulsion"
+    )
+
+    length: float = key(METRES, "gap at which the repulsion begins")
     repulsion: float = key(
         quantity("J/m^2", positive=True), "U, its strength: that of the 9-3 law of this work of adhesion"
     )
 
-    def __post_init__(self):
-        super().__post_init__()
-        for name in ("well_depth", "work_of_adhesion"):
-            if getattr(self, name) is not None:
-                raise InputError(f'interaction.{name}: law = "{self.law}" does not attract; give interaction.repulsion')
-
 
 @dataclass(frozen=True, kw_only=True)
 class TabulatedInteraction(InteractionSection):
-    """Keys of a tabulated law: a file, or its numbers, which the file's become when the study is read.
+    """Keys of a tabulated law: a file, or its numbers, which the file's become when the study is read."""
 
-    Attributes
-    ----------
-    columns : mapping
-        Of the file, see :func:`~contact_study.study.reading.tables.with_columns`.
-    """
-
-    columns: ClassVar[dict[str, tuple[str, str, str]]] = {
+    refuses: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("well_depth", "work_of_adhesion", "length"), "has its own, from the table"
+    )
+    columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see reading.tables.with_columns
         "gap": ("gap_unit", "m", "m"),
         "traction": ("traction_unit", "Pa", "Pa"),
     }
 
-    path: str | None = key(text(), "text table of gap and traction, tension positive, relative to the study file", None)
-    gap_unit: str = key(text(), "unit of the gaps in that table", "m")
-    traction_unit: str = key(text(), "unit of the tractions in that table", "Pa")
-    gap: tuple[float, ...] | None = key(
-        sequence(quantity("m", positive=True)), "gaps of the table, in place of path", None
-    )
+    path: str | None = key(TEXT, "text table of gap and traction, tension positive, relative to the study file", None)
+    gap_unit: str = key(TEXT, "unit of the gaps in that table", "m")
+    traction_unit: str = key(TEXT, "unit of the tractions in that table", "Pa")
+    gap: tuple[float, ...] | None = key(sequence(METRES), "gaps of the table, in place of path", None)
     traction: tuple[float, ...] | None = key(
         sequence(quantity("Pa")), "tractions at these gaps, tension positive, in place of path", None
     )
 
     def __post_init__(self):
         super().__post_init__()
-        for name in ("well_depth", "work_of_adhesion", "length"):
-            if getattr(self, name) is not None:
-                raise InputError(f'interaction.{name}: law = "{self.law}" has its own, from the table')
-        if self.path is not None:
-            raise InputError("interaction.path: one table a study; it cannot be swept or overridden")
-        if self.gap is None or self.traction is None:
-            raise InputError(
-                f'missing key interaction.path: law = "{self.law}" needs a table, or interaction.gap and traction'
-            )
+        check_table("interaction", f'law = "{self.law}"', self.path, {"gap": self.gap, "traction": self.traction})
 
     def make_law(self, work_of_adhesion: float) -> TabulatedLaw:
         try:

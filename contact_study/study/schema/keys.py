@@ -48,13 +48,13 @@ def quantity(
         number = units.quantity(value, unit, name)
         if positive and number <= 0:
             raise InputError(f"{name} = {value!r}: must be positive")
-        if minimum is not None and number < minimum:
-            raise InputError(f"{name} = {value!r}: must be at least {minimum:g}{why and f'; {why}'}")
-        if maximum is not None and number > maximum:
-            raise InputError(f"{name} = {value!r}: must be at most {maximum:g}")
+        _check_limits(number, value, name, minimum, maximum, why)
         return number
 
     return read, unit if unit != "1" else "number"
+
+
+METRES, PASCALS, SECONDS, FACTOR = (quantity(unit, positive=True) for unit in ("m", "Pa", "s", "1"))
 
 
 def integer(minimum: int | None = None, maximum: int | None = None) -> Reader:
@@ -63,13 +63,20 @@ def integer(minimum: int | None = None, maximum: int | None = None) -> Reader:
     def read(value: Any, name: str) -> int:
         if isinstance(value, bool) or not isinstance(value, int):
             raise InputError(f"{name} = {value!r}: expected a whole number")
-        if minimum is not None and value < minimum:
-            raise InputError(f"{name} = {value!r}: must be at least {minimum}")
-        if maximum is not None and value > maximum:
-            raise InputError(f"{name} = {value!r}: must be at most {maximum}")
+        _check_limits(value, value, name, minimum, maximum)
         return value
 
     return read, "integer"
+
+
+def _check_limits(
+    number: float, value: Any, name: str, minimum: float | None, maximum: float | None, why: str = ""
+) -> None:
+    form = "" if isinstance(number, int) else "g"
+    if minimum is not None and number < minimum:
+        raise InputError(f"{name} = {value!r}: must be at least {minimum:{form}}{why and f'; {why}'}")
+    if maximum is not None and number > maximum:
+        raise InputError(f"{name} = {value!r}: must be at most {maximum:{form}}")
 
 
 def choice(*allowed: str) -> Reader:
@@ -85,54 +92,34 @@ def choice(*allowed: str) -> Reader:
 
 def choices(*allowed: str) -> Reader:
     """One of a few words, or a list of different ones."""
-    read_one, kind = choice(*allowed)
+    _, kind = choice(*allowed)
+    read_any, _ = one_or_several(choice(*allowed))
 
     def read(value: Any, name: str) -> str | tuple[str, ...]:
-        if isinstance(value, str) and "," in value:
-            value = listed(value)
-        if not isinstance(value, list):
-            return read_one(value, name)
-        if not value:
-            raise InputError(f"{name} = []: is empty; give at least one value")
-        given = tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
-        if len(set(given)) < len(given):
+        given = read_any(value, name)
+        if isinstance(given, tuple) and len(set(given)) < len(given):
             raise InputError(f"{name} = {value!r}: names one twice")
-        return given[0] if len(given) == 1 else given
+        return given[0] if isinstance(given, tuple) and len(given) == 1 else given
 
     return read, f"{kind}, or a list"
 
 
-def flag() -> Reader:
-    """True or false."""
-
-    def read(value: Any, name: str) -> bool:
-        if not isinstance(value, bool):
-            raise InputError(f"{name} = {value!r}: expected true or false")
+def _as_it_is(fits: Callable[[Any], bool], expected: str, kind: str) -> Reader:
+    def read(value: Any, name: str) -> Any:
+        if not fits(value):
+            raise InputError(f"{name} = {value!r}: expected {expected}")
         return value
 
-    return read, "true | false"
+    return read, kind
 
 
-def text() -> Reader:
-    """Free text."""
-
-    def read(value: Any, name: str) -> str:
-        if not isinstance(value, str):
-            raise InputError(f"{name} = {value!r}: expected text")
-        return value
-
-    return read, "text"
-
-
-def name_or_number() -> Reader:
-    """Text, or a whole number from 0."""
-
-    def read(value: Any, name: str) -> str | int:
-        if isinstance(value, bool) or not isinstance(value, str | int) or (isinstance(value, int) and value < 0):
-            raise InputError(f"{name} = {value!r}: expected a name or a number from 0")
-        return value
-
-    return read, "text or integer"
+FLAG = _as_it_is(lambda value: isinstance(value, bool), "true or false", "true | false")
+TEXT = _as_it_is(lambda value: isinstance(value, str), "text", "text")
+NAME_OR_NUMBER = _as_it_is(
+    lambda value: isinstance(value, str) or (isinstance(value, int) and not isinstance(value, bool) and value >= 0),
+    "a name or a number from 0",
+    "text or integer",
+)
 
 
 def or_word(reader: Reader, word: str) -> Reader:
@@ -147,8 +134,7 @@ def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> R
 
     def read(value: Any, name: str) -> tuple[Any, Any]:
         if isinstance(value, str) and "," in value:
-            units.refuse_decimal_comma(value, name)
-            value = listed(value)
+            value = _parts(value, name)
         if broadcast and not isinstance(value, list):
             value = [value, value]
         if not isinstance(value, list) or len(value) != 2:
@@ -163,14 +149,10 @@ def sequence(reader: Reader) -> Reader:
     read_one, kind = reader
 
     def read(value: Any, name: str) -> tuple[Any, ...]:
-        if isinstance(value, str):
-            units.refuse_decimal_comma(value, name)
-            value = listed(value)
-        if not isinstance(value, list):
-            value = [value]
-        if not value:
+        given = _parts(value, name) if isinstance(value, str) else value if isinstance(value, list) else [value]
+        if not given:
             raise InputError(f"{name} = []: is empty; give at least one value")
-        return tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
+        return tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(given))
 
     return read, f"list of {kind}"
 
@@ -185,6 +167,11 @@ def one_or_several(reader: Reader) -> Reader:
         return read_all(value, name) if several else read_one(value, name)
 
     return read, f"{kind} or a list"
+
+
+def _parts(text: str, name: str) -> list[Any]:
+    units.refuse_decimal_comma(text, name)
+    return listed(text)
 
 
 def listed(text: str) -> list[Any]:
@@ -206,23 +193,14 @@ def _number(text: str) -> Any:
 class TaggedUnion:
     """A section of the study file whose keys depend on one of them: a dataclass for each kind.
 
-    Parameters
-    ----------
-    tag : str
-        The key that names the kind; every dataclass has it as a field.
-    declared : dict
-        Dataclass of each kind. Kinds may share keys; one name is then one meaning.
+    Kinds may share keys; one name is then one meaning.
     """
 
-    tag: str
-    declared: dict[str, Any]
+    tag: str  # key that names the kind; every dataclass has it as a field
+    declared: dict[str, Any]  # dataclass of each kind
 
     def register(self, kind: str, section: type) -> None:
-        """Add a kind from outside.
-
-        Raises ValueError if there is another kind of that name, or one of its keys means something else in another
-        kind.
-        """
+        """Add a kind from outside; ValueError if its name is taken, or one of its keys has another unit elsewhere."""
         if self.declared.get(kind, section) is not section:
             raise ValueError(f"{self.tag} = {kind!r} is {self.declared[kind].__name__}; give another name")
         for name, declaration in keys_of(section).items():
@@ -263,10 +241,7 @@ class TaggedUnion:
         return self.declared.get(kind) if isinstance(kind, str) else None
 
     def without_others(self, tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-        """Each point's table without keys that its kind does not have but that of another point has.
-
-        A sweep over kinds holds the keys of all of them; what no point has a use for stays, to be refused.
-        """
+        """Each point's table without keys of the other points' kinds; what no kind of them has stays, to be refused."""
         present = {section for table in tables if (section := self.section_of(table)) is not None}
         used = {name for section in present for name in keys_of(section)}
         return [
@@ -281,12 +256,10 @@ class TaggedUnion:
 
     def bind(self, table: Mapping[str, Any], name: str) -> Any:
         """The section of the kind that a table names, errors as :func:`bind`."""
-        kind = self.kind_of(table)
+        kind, tag = self.kind_of(table), self.keys[self.tag]
         if kind is None:
-            declaration = self.keys[self.tag]
-            raise InputError(f"missing key {name}.{self.tag} ({declaration.kind}: {declaration.description})")
-        kind = self.keys[self.tag].read(kind, f"{name}.{self.tag}")
-        section = self.declared[kind]
+            raise InputError(f"missing key {name}.{self.tag} ({tag.kind}: {tag.description})")
+        section = self.declared[tag.read(kind, f"{name}.{self.tag}")]
         for given in table:
             if given in self.keys and given not in keys_of(section):
                 raise InputError(
@@ -317,10 +290,7 @@ def default_of(section: type | TaggedUnion, name: str) -> Any:
 
 
 def bind(section: type | TaggedUnion, table: Mapping[str, Any], name: str) -> Any:
-    """Build a section from a TOML table.
-
-    Raises InputError if a key is unknown, missing, of the wrong kind or out of range.
-    """
+    """Build a section from a TOML table; InputError if a key is unknown, missing, of the wrong kind or out of range."""
     if isinstance(section, TaggedUnion):
         return section.bind(table, name)
     known = keys_of(section)
@@ -335,6 +305,15 @@ def bind(section: type | TaggedUnion, table: Mapping[str, Any], name: str) -> An
     return section(**values)
 
 
+def check_table(section: str, kind: str, path: str | None, columns: Mapping[str, Any]) -> None:
+    """Raise InputError unless a table was read from its file, and has all columns."""
+    if path is not None:
+        raise InputError(f"{section}.path: one table a study; it cannot be swept or overridden")
+    if None in columns.values():
+        first, second = columns
+        raise InputError(f"missing key {section}.path: {kind} needs a table, or {section}.{first} and {second}")
+
+
 # Names of keys that may be looked for in a section, and where they are.
 _ELSEWHERE = dict.fromkeys(
     ("atomistic.seed", "sampling.seed", "sampling.random_seed", "dynamics.seed", "dynamics.random_seed"),
@@ -343,10 +322,7 @@ _ELSEWHERE = dict.fromkeys(
 
 
 def replacement(dotted: str, mark: str = "") -> str:
-    """The key that stands in another section or under another name, for the end of a message; empty if none does.
-
-    ``mark`` stands before the key: "--" of options.
-    """
+    """The key meant by another, after a ``mark`` such as "--", for the end of a message; empty if there is none."""
     return f" (use {mark}{_ELSEWHERE[dotted]})" if dotted in _ELSEWHERE else ""
 
 

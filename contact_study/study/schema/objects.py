@@ -18,8 +18,7 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
     """Replace laws and solids among the sections of a study by keys.
 
     ``interaction``, or its ``law``, may be a :class:`TractionLaw`; ``elasticity``, or its ``kind``, an
-    :class:`Elasticity`, whose contact modulus then is the material's. Raises InputError if no keys of a study make the
-    object, or keys beside it repeat its numbers.
+    :class:`Elasticity`, whose contact modulus then is the material's.
     """
     found = dict(study)
     law, beside = _object(found.get("interaction"), "law", TractionLaw)

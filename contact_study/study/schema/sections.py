@@ -8,16 +8,20 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import is_a, unit_of
 from contact_study.physics.roughness.spectrum import TabulatedSpectrum
 from contact_study.study.schema.keys import (
+    FACTOR,
+    FLAG,
+    METRES,
+    PASCALS,
+    SECONDS,
+    TEXT,
     choice,
     choices,
-    flag,
     integer,
     key,
     one_or_several,
     pair,
     quantity,
     sequence,
-    text,
 )
 
 
@@ -25,25 +29,23 @@ from contact_study.study.schema.keys import (
 class StudySection:
     """Title of the study."""
 
-    title: str = key(text(), "title of the study, written into every dataset", "untitled study")
+    title: str = key(TEXT, "title of the study, written into every dataset", "untitled study")
 
 
 @dataclass(frozen=True)
 class MaterialSection:
     """The elastic block."""
 
-    youngs_modulus: float = key(quantity("Pa", positive=True), "Young's modulus E")
+    youngs_modulus: float = key(PASCALS, "Young's modulus E")
     poissons_ratio: float = key(quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio ν")
     lattice_constant: float | None = key(
-        quantity("m", positive=True), "lattice constant a of the block; divides surface.size (atoms, well_depth)", None
+        METRES, "lattice constant a of the block; divides surface.size (atoms, well_depth)", None
     )
     atom_mass: float | None = key(
         quantity("kg", positive=True), "mass of a block atom, for atomistic.method = dynamics", None
     )
     hardness: float | None = key(
-        quantity("Pa", positive=True),
-        "largest pressure; points that reach it yield plastically (continuum, hard wall)",
-        None,
+        PASCALS, "largest pressure; points that reach it yield plastically (continuum, hard wall)", None
     )
 
     @property
@@ -61,10 +63,8 @@ class LoadingSection:
         "pressures (Pa), forces (with unit, N), mean gaps above equilibrium or approaches (m)",
     )
     control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
-    unload: bool = key(flag(), "go back through the path after its last point", False)
-    adaptive: bool = key(
-        flag(), "adaptive load steps: refine where the contact is unstable (continuum, adhesion)", False
-    )
+    unload: bool = key(FLAG, "go back through the path after its last point", False)
+    adaptive: bool = key(FLAG, "adaptive load steps: refine where the contact is unstable (continuum, adhesion)", False)
     resolution: float = key(
         quantity("1", positive=True, maximum=1.0),
         "least adaptive step over the largest value of the path, or over 5 lengths of the law",
@@ -72,9 +72,7 @@ class LoadingSection:
     )
 
     duration: float | tuple[float, ...] | None = key(
-        one_or_several(quantity("s", positive=True)),
-        "time to each point of the path from the previous one, or a list (viscoelastic)",
-        None,
+        one_or_several(SECONDS), "time to each point of the path from the previous one, or a list (viscoelastic)", None
     )
     time_steps: int = key(
         integer(minimum=1, maximum=1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1
@@ -164,9 +162,7 @@ class OverdampedSection:
     """Slow motion against friction, of continuum and atoms."""
 
     loading_rate: float = key(
-        quantity("1", positive=True),
-        "change of mean pressure over contact modulus while the longest wave relaxes",
-        1e-3,
+        FACTOR, "change of mean pressure over contact modulus while the longest wave relaxes", 1e-3
     )
     step_error: float = key(
         quantity("1", positive=True, maximum=1.0), "error allowed to a time step, over the law's length", 0.1
@@ -187,18 +183,11 @@ class SamplingSection:
 class DynamicsSection:
     """The explicit block of atoms in motion."""
 
-    time_step: float | None = key(
-        quantity("s", positive=True), "of velocity Verlet, default a fifth of the largest stable one", None
-    )
-    duration: float = key(quantity("s", positive=True), "of each point of the path", 1e-10)
+    time_step: float | None = key(SECONDS, "of velocity Verlet, default a fifth of the largest stable one", None)
+    duration: float = key(SECONDS, "of each point of the path", 1e-10)
     damping: float = key(quantity("s^-1", minimum=0.0), "rate at which friction takes momentum", 0.0)
     approach_speed: float = key(quantity("m/s", minimum=0.0), "at which the block first comes down", 0.0)
     frames: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that are looked at", 200)
-
-
-def _each(words: str | tuple[str, ...]) -> tuple[str, ...]:
-    """The words of a key that takes one or several."""
-    return (words,) if isinstance(words, str) else words
 
 
 @dataclass(frozen=True)
@@ -222,10 +211,10 @@ class TheorySection:
         sequence(quantity("m^4", positive=True)), 'spectrum "table": C(q) at each, a power law between two', None
     )
     spectrum_path: str | None = key(
-        text(), 'spectrum "file": text with q and C(q) a row, or NetCDF; the study then holds its numbers', None
+        TEXT, 'spectrum "file": text with q and C(q) a row, or NetCDF; the study then holds its numbers', None
     )
-    wavevector_unit: str | None = key(text(), "unit of its q, where the file does not say it", None)
-    density_unit: str | None = key(text(), "unit of its C(q), where the file does not say it", None)
+    wavevector_unit: str | None = key(TEXT, "unit of its q, where the file does not say it", None)
+    density_unit: str | None = key(TEXT, "unit of its C(q), where the file does not say it", None)
     energy_weight: str = key(
         choice("paper", "wang_mueser", "area"), "weight W of the elastic energy in incomplete contact", "paper"
     )
@@ -233,17 +222,15 @@ class TheorySection:
     true_area: str = key(
         choice("persson", "none", "lattice"), "true over projected contact area, for the adhesion energy", "persson"
     )
-    alpha: float = key(quantity("1", positive=True), "α in σ_a² = α E* q γ_eff", 1.0)
-    cap_detachment_stress: bool = key(flag(), "limit σ_a to the law's largest tensile stress", False)
+    alpha: float = key(FACTOR, "α in σ_a² = α E* q γ_eff", 1.0)
+    cap_detachment_stress: bool = key(FLAG, "limit σ_a to the law's largest tensile stress", False)
     magnifications: int = key(
         integer(minimum=0, maximum=10_000),
         "magnifications ζ at which P(σ, ζ) of Persson's theory is kept, evenly in ln ζ; 0: none",
         0,
     )
     accuracy: float | None = key(
-        quantity("1", positive=True),
-        "relative error of area and mean gap that warns, by states of half the resolution",
-        None,
+        FACTOR, "relative error of area and mean gap that warns, by states of half the resolution", None
     )
 
     def __post_init__(self):
@@ -263,10 +250,7 @@ class TheorySection:
             self.table()
 
     def table(self) -> TabulatedSpectrum:
-        """The spectrum of the table.
-
-        Raises InputError if it is none.
-        """
+        """The spectrum of the table; InputError if it is none."""
         try:
             return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
         except ValueError as error:
@@ -274,19 +258,19 @@ class TheorySection:
 
     def has(self, flow: str) -> bool:
         """Test whether a theory is solved beside Persson's."""
-        return flow in _each(self.flows)
+        return flow == self.flows or (isinstance(self.flows, tuple) and flow in self.flows)
 
     @property
     def spectra(self) -> tuple[str, ...]:
         """The spectra that are named, if any."""
-        return () if self.spectrum is None else _each(self.spectrum)
+        return (self.spectrum,) if isinstance(self.spectrum, str) else self.spectrum or ()
 
 
 @dataclass(frozen=True)
 class OutputSection:
     """Output that is kept."""
 
-    fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
+    fields: bool = key(FLAG, "keep gap and pressure fields of every step", False)
     field_steps: tuple[int, ...] | None = key(
         sequence(integer()), "points of the path whose fields are kept, from 0 on, -1 for the last; default all", None
     )
@@ -298,8 +282,8 @@ class OutputSection:
         "atoms kept at every step: none, the bottom layer, or the explicit block (dynamics), too",
         "none",
     )
-    stiffness: bool = key(flag(), "contact_stiffness of every step of the continuum, by one linear solve more", False)
-    restart: bool = key(flag(), "keep the last state of each case, from which --resume lengthens its path", True)
+    stiffness: bool = key(FLAG, "contact_stiffness of every step of the continuum, by one linear solve more", False)
+    restart: bool = key(FLAG, "keep the last state of each case, from which --resume lengthens its path", True)
     pressure_range: tuple[float, float] | None = key(
         pair(quantity("Pa"), names="[low, high]"), "range of pressure_pdf, default from modulus, slopes and law", None
     )

@@ -29,55 +29,51 @@ from contact_study.physics.surfaces.shapes import (
     wavy_surface,
 )
 from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface
-from contact_study.study.schema.keys import TaggedUnion, choice, integer, key, name_or_number, pair, quantity, text
+from contact_study.study.schema.keys import (
+    FACTOR,
+    METRES,
+    NAME_OR_NUMBER,
+    TEXT,
+    TaggedUnion,
+    choice,
+    integer,
+    key,
+    pair,
+    quantity,
+)
 
-_SIZE = pair(quantity("m", positive=True), broadcast=True)
-_SHAPE = pair(integer(minimum=4, maximum=2**31 - 1))
+_POINTS = pair(integer(minimum=4, maximum=2**31 - 1))
+_SIZE = pair(METRES, broadcast=True), "lateral periods (a height map may bring its own)"
+_SHAPE = _POINTS, "points of the continuum grid (a height map may bring its own)"
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceSection(ABC):
     """The rigid rough surface; heights point toward the block. A kind declares its keys as fields and checks them.
 
-    Attributes
-    ----------
-    words : str
-        The surface in a sentence; names in braces are replaced by the values of keys, or their ``phrases``.
-    height_key : str
-        The key to look at when the heights make no sense.
-    rough, periodic, absent : bool
-        Whether it has height, continues over the edge of the cell, and is missing (a spectrum only, for theories).
+    Relative paths of the study start in the ``directory`` of its methods, which raise InputError if a height map cannot
+    be read or used.
     """
 
+    # The surface in a sentence; names in braces are replaced by the values of keys, or their phrases.
     words: ClassVar[str]
     phrases: ClassVar[dict[str, str]] = {}
-    height_key: ClassVar[str]
-    rough: ClassVar[bool] = True
-    periodic: ClassVar[bool] = True
-    absent: ClassVar[bool] = False
+    height_key: ClassVar[str]  # to look at when the heights make no sense
+    rough: ClassVar[bool] = True  # whether it has height
+    periodic: ClassVar[bool] = True  # whether it continues over the edge of the cell
+    absent: ClassVar[bool] = False  # a spectrum only, for theories
 
-    kind: str = key(text(), "geometry of the rigid surface")
-    size: tuple[float, float] | None = key(_SIZE, "lateral periods (a height map may bring its own)", None)
-    shape: tuple[int, int] | None = key(_SHAPE, "points of the continuum grid (a height map may bring its own)", None)
+    kind: str = key(TEXT, "geometry of the rigid surface")
+    size: tuple[float, float] | None = key(*_SIZE, None)
+    shape: tuple[int, int] | None = key(*_SHAPE, None)
 
     @abstractmethod
     def realise(self, directory: Path) -> Surface:
-        """The heights.
-
-        Parameters
-        ----------
-        directory : pathlib.Path
-            Where relative paths of the study start.
-
-        Raises
-        ------
-        InputError
-            If a height map cannot be read or used.
-        """
+        """The heights."""
 
     @abstractmethod
     def scales(self, directory: Path) -> SurfaceScales:
-        """Scales of heights and slopes by the study alone; parameters and errors as :meth:`realise`."""
+        """Scales of heights and slopes by the study alone."""
 
     @property
     def stated_cell(self) -> tuple[float, float] | None:
@@ -85,7 +81,7 @@ class SurfaceSection(ABC):
         return self.size
 
     def cell(self, directory: Path) -> tuple[float, float] | None:
-        """Periods along y and x (m), None if they are not known; parameters and errors as :meth:`realise`."""
+        """Periods along y and x (m), None if they are not known."""
         return self.stated_cell
 
     @property
@@ -101,15 +97,15 @@ class SurfaceSection(ABC):
     @property
     def realisation(self) -> int | None:
         """Seed of a random surface."""
-        return None
+        return getattr(self, "seed", None)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CellSection(SurfaceSection):
     """A surface made on a cell that the study must give."""
 
-    size: tuple[float, float] = key(_SIZE, "lateral periods (a height map may bring its own)")
-    shape: tuple[int, int] = key(_SHAPE, "points of the continuum grid (a height map may bring its own)")
+    size: tuple[float, float] = key(*_SIZE)
+    shape: tuple[int, int] = key(*_SHAPE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,10 +121,10 @@ class SelfAffine(CellSection):
     height_key = "surface.rms_height"
 
     hurst_exponent: float = key(quantity("1", minimum=0.0, maximum=1.0), "Hurst exponent H", 0.8)
-    rms_height: float = key(quantity("m", positive=True), "root-mean-square roughness")
-    low_mode: float = key(quantity("1", positive=True), "q_L in units of 2π over the longest side of size", 1.0)
-    roll_off_mode: float = key(quantity("1", positive=True), "q_0 in units of 2π over the longest side of size", 1.0)
-    cutoff_mode: float = key(quantity("1", positive=True), "q_1 in units of 2π over the longest side of size")
+    rms_height: float = key(METRES, "root-mean-square roughness")
+    low_mode: float = key(FACTOR, "q_L in units of 2π over the longest side of size", 1.0)
+    roll_off_mode: float = key(FACTOR, "q_0 in units of 2π over the longest side of size", 1.0)
+    cutoff_mode: float = key(FACTOR, "q_1 in units of 2π over the longest side of size")
     seed: int = key(integer(minimum=0), "random realisation", 1)
     normalisation: str = key(
         choice("spectrum", "realised"),
@@ -154,18 +150,9 @@ class SelfAffine(CellSection):
 
     @cached_property
     def target_spectrum(self) -> SelfAffineSpectrum:
-        unit = 2 * np.pi / max(self.size)
-        return SelfAffineSpectrum(
-            self.hurst_exponent,
-            self.rms_height,
-            self.low_mode * unit,
-            self.roll_off_mode * unit,
-            self.cutoff_mode * unit,
-        )
-
-    @property
-    def realisation(self) -> int:
-        return self.seed
+        modes = (self.low_mode, self.roll_off_mode, self.cutoff_mode)
+        waves = (mode * (2 * np.pi / max(self.size)) for mode in modes)
+        return SelfAffineSpectrum(self.hurst_exponent, self.rms_height, *waves)
 
     def realise(self, directory: Path) -> Surface:
         exact = self.normalisation == "realised"
@@ -189,13 +176,13 @@ class MapFile(SurfaceSection):
     }
     height_key = "surface.height_unit"
 
-    path: str = key(text(), "height map, relative to the study file: NetCDF, npy, npz, text or an instrument's")
+    path: str = key(TEXT, "height map, relative to the study file: NetCDF, npy, npz, text or an instrument's")
     channel: str | int | None = key(
-        name_or_number(), "name or number, from 0, of the map in a file that holds several", None
+        NAME_OR_NUMBER, "name or number, from 0, of the map in a file that holds several", None
     )
-    height_unit: str | None = key(text(), "unit of the map's heights where its file does not say, default m", None)
+    height_unit: str | None = key(TEXT, "unit of the map's heights where its file does not say, default m", None)
     lateral_unit: str | None = key(
-        text(), "unit of the map's x and y or cell size where its file does not say, default m", None
+        TEXT, "unit of the map's x and y or cell size where its file does not say, default m", None
     )
     crop: tuple[tuple[float, float], tuple[float, float]] | None = key(
         pair(pair(quantity("m", minimum=0.0), names="[from, to]")), "part of the map that is taken", None
@@ -215,11 +202,9 @@ class MapFile(SurfaceSection):
         quantity("1", positive=True, maximum=1.0), 'share of each side over which edges = "window" fades them', 0.2
     )
     resample: tuple[int, int] | None = key(
-        pair(integer(minimum=4, maximum=2**31 - 1)),
-        "points of the map for all models, by trigonometric interpolation",
-        None,
+        _POINTS, "points of the map for all models, by trigonometric interpolation", None
     )
-    lowpass: float | None = key(quantity("m", positive=True), "shortest wavelength that is kept", None)
+    lowpass: float | None = key(METRES, "shortest wavelength that is kept", None)
 
     def __post_init__(self):
         if self.crop is not None and any(low >= high for low, high in self.crop):
@@ -244,7 +229,7 @@ class MapFile(SurfaceSection):
         return measured_scales(self.measured(directory), self.shape, self.lowpass)
 
     def measured(self, directory: Path) -> MeasuredMap:
-        """The map, made ready; errors as :meth:`realise`."""
+        """The map, made ready."""
         path = directory / self.path
         state = path.stat() if path.is_file() else None
         return _measured(self, path, (state.st_mtime_ns, state.st_size) if state else None)
@@ -266,7 +251,7 @@ class Sphere(CellSection):
     height_key = "surface.radius"
     periodic = False
 
-    radius: float = key(quantity("m", positive=True), "radius of curvature of the apex")
+    radius: float = key(METRES, "radius of curvature of the apex")
 
     def realise(self, directory: Path) -> Surface:
         return Paraboloid(self.size, self.shape, None, self.radius)
@@ -282,7 +267,7 @@ class Wavy(CellSection):
     words = "a rigid wavy surface of amplitude {amplitude}, modes {modes}, {size}"
     height_key = "surface.amplitude"
 
-    amplitude: float = key(quantity("m", positive=True), "h = amplitude·cos·cos")
+    amplitude: float = key(METRES, "h = amplitude·cos·cos")
     modes: tuple[int, int] = key(pair(integer(minimum=0, maximum=2**31 - 1)), "waves along y and x", (1, 1))
 
     def __post_init__(self):
@@ -336,7 +321,7 @@ class AbsentSurface(SurfaceSection):
     periodic = False
     absent = True
 
-    kind: str = key(text(), "geometry of the rigid surface", "none")
+    kind: str = key(TEXT, "geometry of the rigid surface", "none")
     wavevectors: tuple[float, ...]
     density: tuple[float, ...]
 
