@@ -1,5 +1,6 @@
 """Dimensional input, parsed once at the edge into SI floats."""
 
+import contextlib
 import math
 import re
 from collections.abc import Sequence
@@ -57,18 +58,10 @@ def _registry() -> Any:
 
 
 def quantity(value: Any, unit: str, name: str) -> float:
-    """Convert a number in SI, or a string with a unit, to an SI float.
+    """Convert a number in SI, or a string with a unit, such as ``"10 angstrom"``, to an SI float.
 
-    Parameters
-    ----------
-    value : float, int or str
-        For instance ``1e-9`` or ``"10 angstrom"``.
-    unit : str
-        The SI unit, for instance ``"m"``; ``"1"`` for a pure number.
-    name : str
-        The key, for the message.
-
-    Raises InputError if the value is no finite number of a sensible size or has another dimension.
+    ``unit`` is the SI unit, ``"1"`` for a pure number, ``name`` the key for messages. Raises InputError if the value is
+    no finite number of a sensible size or has another dimension.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{name} = {value!r}: expected {_expected(unit)}")
@@ -108,30 +101,20 @@ def is_a(value: Any, unit: str) -> bool:
     match = _QUANTITY.fullmatch(value[:_LONGEST])
     if match and any(match["unit"] in known for known in _COMMON.values()):
         return match["unit"] in _COMMON.get(unit, ())
-    return _reads_as(value, unit)
-
-
-@lru_cache(maxsize=10_000)  # every case of a study reads the same texts
-def _reads_as(text: str, unit: str) -> bool:
-    try:
-        quantity(text, unit, "")
-    except InputError:
-        return False
-    return True
-
-
-_LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (1e-12, "pm"))
-_STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
+    with contextlib.suppress(InputError):
+        quantity(value, unit, "")
+        return True
+    return False
 
 
 def length(*metres: float) -> str:
     """Write lengths in the unit that suits the largest, to four digits: ``1.024 x 2 µm``."""
-    return _suited(metres, _LENGTHS, 4)
+    return _suited(metres, ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (1e-12, "pm")), 4)
 
 
 def stress(pascals: float) -> str:
     """Write a stress in the unit that suits it, to three digits."""
-    return _suited((pascals,), _STRESSES, 3)
+    return _suited((pascals,), ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")), 3)
 
 
 def _suited(values: Sequence[float], known: Sequence[tuple[float, str]], digits: int) -> str:

@@ -26,15 +26,7 @@ _LENGTHS = 5
 
 @dataclass(frozen=True)
 class Case:
-    """One point of a study's sweep.
-
-    Attributes
-    ----------
-    coordinates : dict
-        The swept keys, by their last part, and this case's values.
-    index : tuple of int
-        Position along each swept key.
-    """
+    """One point of a study's sweep."""
 
     study: sections.StudySection
     surface: SurfaceSection
@@ -49,29 +41,19 @@ class Case:
     dynamics: sections.DynamicsSection
     theory: sections.TheorySection
     output: sections.OutputSection
-    coordinates: dict[str, Any] = field(default_factory=dict)
-    index: tuple[int, ...] = ()
+    coordinates: dict[str, Any] = field(default_factory=dict)  # the swept keys, by their last part, and their values
+    index: tuple[int, ...] = ()  # position along each swept key
     directory: Path = Path(".")
 
     def __post_init__(self):
         _ = self.solid  # raises where no solid has these constants
-        if not self.law.attracts and self.loading.control == "pressure" and min(self.loading.path) <= 0:
+        lowest = min(self.loading.path)
+        if not self.law.attracts and self.loading.control == "pressure" and lowest <= 0:
             raise InputError(
-                f"loading.path: {min(self.loading.path):g} Pa cannot be carried by {self.law.words}; "
-                "give positive pressures"
+                f"loading.path: {lowest:g} Pa cannot be carried by {self.law.words}; give positive pressures"
             )
         self._check_hardness()
         self._check_time()
-        self._check_control()
-        if self.law.attracts and self.loading.control == "pressure":
-            peak, path = self.law.peak_tensile_stress, self.loading.path
-            if min(path) < -peak:
-                raise InputError(
-                    f"loading.path[{path.index(min(path))}] = {stress(min(path))} exceeds the largest tensile stress "
-                    f"of the adhesive law, {stress(peak)}: no state can carry it; give values above {stress(-peak)}"
-                )
-
-    def _check_control(self) -> None:
         free, control = self.elasticity.boundary == "free", self.loading.control
         if free and control == "gap":
             raise InputError('loading.control = "gap": elasticity.boundary = "free" takes "pressure" or "approach"')
@@ -82,15 +64,23 @@ class Case:
                 f'loading.control = "approach": a uniform pressure moves elasticity.kind = "{self.elasticity.kind}" '
                 f'{moved}; use "pressure" or "gap"'
             )
+        peak = self.law.peak_tensile_stress
+        if self.law.attracts and control == "pressure" and lowest < -peak:
+            raise InputError(
+                f"loading.path[{self.loading.path.index(lowest)}] = {stress(lowest)} exceeds the largest tensile "
+                f"stress of the adhesive law, {stress(peak)}: no state can carry it; give values above {stress(-peak)}"
+            )
 
     def require_gap(self) -> None:
         """Raise InputError if a prescribed mean gap is not positive; that of a driven block is another distance."""
-        lowest = min(self.loading.path) + self.law.equilibrium_distance
+        above, distance = min(self.loading.path), self.law.equilibrium_distance
         # Only a wall can be met everywhere, at a mean gap of zero.
-        if self.loading.control == "gap" and (lowest < 0 or (lowest == 0 and not self.law.has_wall)):
+        if self.loading.control == "gap" and (
+            above + distance < 0 or (above + distance == 0 and not self.law.has_wall)
+        ):
             raise InputError(
-                f"loading.path: a mean gap of {min(self.loading.path):g} m above the equilibrium distance, "
-                f"{self.law.equilibrium_distance:g} m, leaves no gap between the surfaces"
+                f"loading.path: a mean gap of {above:g} m above the equilibrium distance, {distance:g} m, leaves no "
+                "gap between the surfaces"
             )
 
     def _check_hardness(self) -> None:
@@ -111,18 +101,13 @@ class Case:
             raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
 
     def _check_time(self) -> None:
-        duration, path = self.loading.duration, self.loading.path
+        duration, path, kind = self.loading.duration, self.loading.path, f'elasticity.kind = "{self.elasticity.kind}"'
         if not isinstance(self.solid, Viscoelastic):
             if duration is not None:
-                raise InputError(
-                    f'loading.duration: elasticity.kind = "{self.elasticity.kind}" has no time; it belongs to '
-                    '"viscoelastic"'
-                )
+                raise InputError(f'loading.duration: {kind} has no time; it belongs to "viscoelastic"')
             return
         if duration is None:
-            raise InputError(
-                'missing key loading.duration: elasticity.kind = "viscoelastic" needs times between points'
-            )
+            raise InputError(f"missing key loading.duration: {kind} needs times between points")
         if isinstance(duration, tuple) and len(duration) != len(path):
             raise InputError(f"loading.duration holds {len(duration)} times for {len(path)} points of loading.path")
         for refused, name in (
@@ -132,7 +117,7 @@ class Case:
             (self.material.hardness is not None, "material.hardness"),
         ):
             if refused:
-                raise InputError(f'{name}: not known of elasticity.kind = "viscoelastic"; leave it out')
+                raise InputError(f"{name}: not known of {kind}; leave it out")
 
     @property
     def spectra(self) -> tuple[str, ...]:
@@ -165,7 +150,7 @@ class Case:
 
     @cached_property
     def scales(self) -> SurfaceScales:
-        """Scales of the surface, calculated once; errors as :func:`realise`."""
+        """Scales of the surface, calculated once."""
         return self.surface.scales(self.directory)
 
     @cached_property
@@ -175,11 +160,7 @@ class Case:
 
     @property
     def block_layers(self) -> int:
-        """Cells of the block of atoms from its surface to the plane that holds it; for a half-space as many as across.
-
-        Raises InputError if the solid's depth is no whole number of cells, or ``atomistic.layers`` says another; as
-        :attr:`lattice`.
-        """
+        """Cells of the block from its surface to the plane that holds it; of a half-space as many as across."""
         given, depth, constant = self.atomistic.layers, self.solid.depth, self.lattice.constant
         if not math.isfinite(depth):
             return given or max(self.lattice.atoms)
@@ -237,14 +218,14 @@ class Case:
 
     @cached_property
     def lattice(self) -> Lattice:
-        """The lattices of the atoms; errors as :func:`~contact_study.physics.lattice.lattice_of`."""
+        """The lattices of the atoms."""
         return lattice_of(self.surface.cell(self.directory), self.material.lattice_constant)
 
     @property
     def work_of_adhesion(self) -> float:
         """Δγ (J/m²), including ``well_depth_ratio``; zero for a hard wall without adhesion."""
         given = self.interaction
-        if not LAWS[self.interaction.law].attracts:
+        if not LAWS[given.law].attracts:
             return 0.0
         if given.work_of_adhesion is not None:
             return given.work_of_adhesion * given.well_depth_ratio

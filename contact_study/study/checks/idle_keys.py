@@ -11,62 +11,38 @@ from contact_study.study.sweep import points
 
 def idle_keys(cases: Sequence[Case]) -> list[str]:
     """One line for each reason why keys of some cases are without effect."""
-    return _of_walls(cases) + _of_loading(cases)
-
-
-def _of_walls(cases: Sequence[Case]) -> list[str]:
     names = ("work_of_adhesion", "well_depth", "length", "contact_distance")
     walls = [case.interaction for case in cases if case.law.has_wall and not case.law.attracts]
-    idle = [f"interaction.{name}" for name in names if any(getattr(wall, name) is not None for wall in walls)]
-    if not idle:
-        return []
-    return [
-        f'{", ".join(idle)}: without effect where interaction.law = "{walls[0].law}", which neither attracts nor '
-        "reaches"
+    without = [f"interaction.{name}" for name in names if any(getattr(wall, name) is not None for wall in walls)]
+    notes = [
+        f'{", ".join(without)}: without effect where interaction.law = "{wall.law}", which neither attracts nor reaches'
+        for wall in walls[:1]
+        if without
     ]
-
-
-def _of_loading(cases: Sequence[Case]) -> list[str]:
-    notes = []
-    for name, is_idle, belongs in (
-        (
-            "adaptive = true",
-            lambda case: case.loading.adaptive and not case.law.attracts,
-            "it belongs to laws that attract",
-        ),
-        (
-            "resolution",
-            lambda case: case.loading.resolution != LoadingSection.resolution and not case.loading.adaptive,
-            "it belongs to loading.adaptive = true",
-        ),
+    for name, default, is_used, belongs in (
+        ("adaptive", False, lambda case: case.law.attracts, "laws that attract"),
+        ("resolution", LoadingSection.resolution, lambda case: case.loading.adaptive, "loading.adaptive = true"),
         (
             "time_steps",
-            lambda case: (
-                case.loading.time_steps != LoadingSection.time_steps and not isinstance(case.solid, Viscoelastic)
-            ),
-            'it belongs to elasticity.kind = "viscoelastic"',
+            LoadingSection.time_steps,
+            lambda case: isinstance(case.solid, Viscoelastic),
+            'elasticity.kind = "viscoelastic"',
         ),
     ):
-        idle = [case for case in cases if is_idle(case)]
+        idle = [case for case in cases if getattr(case.loading, name) != default and not is_used(case)]
         if idle:
-            notes.append(f"loading.{name}: without effect{points(idle, len(cases))}; {belongs}")
+            said = f"loading.{name} = true" if default is False else f"loading.{name}"
+            notes.append(f"{said}: without effect{points(idle, len(cases))}; it belongs to {belongs}")
     return notes
 
 
 def idle_motion(cases: Sequence[Case]) -> list[str]:
     """One line for each way of motion whose keys are given and that no case goes; several may be compared."""
     notes = []
-    for section, is_idle, belongs in (
-        (
-            "overdamped",
-            lambda case: case.atomistic.method != "overdamped" and case.solver.path != "overdamped",
-            'atomistic.method or solver.path = "overdamped"',
-        ),
-        ("sampling", lambda case: case.atomistic.method != "sampling", 'atomistic.method = "sampling"'),
-        ("dynamics", lambda case: case.atomistic.method != "dynamics", 'atomistic.method = "dynamics"'),
-    ):
-        if not all(map(is_idle, cases)):
+    for section in ("overdamped", "sampling", "dynamics"):
+        if any(section in (case.atomistic.method, case.solver.path) for case in cases):
             continue
+        belongs = f'atomistic.method{" or solver.path" if section == "overdamped" else ""} = "{section}"'
         given = [getattr(case, section) for case in cases]
         names = [
             f"{section}.{field.name}"

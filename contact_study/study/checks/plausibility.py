@@ -13,9 +13,7 @@ Every criterion is a ratio of the study's scales, so that no unit, material or s
 - **table of a stiffness** against the waves of the grid, and its E* at the shortest of them against the material's.
 - **peak over tolerance**: the law's largest tension against the residual stress that ``solver.tolerance`` leaves.
 
-Of measured maps see :mod:`contact_study.study.checks.height_maps`.
-
-The models add what only they need: see ``review`` in their ``run.py``.
+The models add what only they need.
 """
 
 from collections.abc import Callable, Sequence
@@ -40,39 +38,47 @@ NEGLIGIBLE = 0.01
 SAME_MODULUS = 2.0
 
 
+# How far a case is beyond a criterion, in units of it, and the words before and after the part of the sweep that it is,
+# of a warning and of an error.
+_Judged = tuple[float, tuple[str, str], tuple[str, str] | None]
+
+
 def review(study: Study) -> list[str]:
     """Check a study; return warnings, each once. Raises InputError if the numbers of a case cannot belong together."""
     cases, _ = study.cases, study.scales
     adhesive = [case for case in cases if case.law.attracts]
     tables = [case for case in cases if isinstance(case.solid, Measured)]
     return [
-        *_worst(cases, lambda case: case.scales.rms_slope / STEEP, _steep),
-        *_worst(cases, _relative_load, _heavy),
-        *_worst([case for case in adhesive if not case.law.has_wall], _weakness, _squeezed),
-        *_worst(adhesive, lambda case: 2.0 if case.law.peak_tensile_stress < _residual(case) else 0.0, _unresolved),
-        *_worst(tables, _missing_waves, _few_waves, len(cases)),
-        *_worst(tables, _modulus_ratio, _other_modulus, len(cases)),
+        *_worst(cases, _slope),
+        *_worst(cases, _load),
+        *_worst([case for case in adhesive if not case.law.has_wall], _softness),
+        *_worst(adhesive, _residual),
+        *_worst(tables, _table_waves, len(cases)),
+        *_worst(tables, _table_modulus, len(cases)),
         *_coarse_maps(cases),
         *dict.fromkeys(line for case in cases for line in map_warnings(str(case.surface.map_path), case.scales)),
         *idle_keys(cases),
     ]
 
 
-def _worst(
-    cases: Sequence[Case], excess: Callable[[Case], float], message: Callable[[Case, str], str], total: int = 0
-) -> list[str]:
-    """One message on the worst of the cases whose excess is above 1, with the part of the sweep that they are."""
-    found = [(size, case) for case in cases if (size := excess(case)) > 1]
+def _worst(cases: Sequence[Case], judge: Callable[[Case], _Judged], total: int = 0) -> list[str]:
+    """One message on the worst of the cases beyond a criterion, with the part of the sweep that they are."""
+    found = [(judged, case) for case in cases if (judged := judge(case))[0] > 1]
     if not found:
         return []
-    _, worst = max(found, key=lambda item: item[0])
-    return [message(worst, points([case for _, case in found], total or len(cases)))]
+    (_, words, impossible), worst = max(found, key=lambda item: item[0][0])
+    if impossible:
+        raise InputError((f" at {worst.label}" if worst.label else "").join(impossible))
+    return [points([case for _, case in found], total or len(cases)).join(words)]
 
 
 def contact_stress(case: Case) -> float:
     """Stress that contacts carry (Pa): its deviation in full contact, or the applied pressure if larger."""
-    applied = max(case.loading.path) if case.loading.control == "pressure" else 0.0
-    return max(case.scales.full_contact_stress(case.solid), applied)
+    return max(case.scales.full_contact_stress(case.solid), _applied(case))
+
+
+def _applied(case: Case) -> float:
+    return max(case.loading.path) if case.loading.control == "pressure" else 0.0
 
 
 def squeeze(law: TractionLaw, stress: float) -> float:
@@ -80,102 +86,78 @@ def squeeze(law: TractionLaw, stress: float) -> float:
     return float(law.repulsive_gap(np.array(-stress))) / law.equilibrium_distance
 
 
-def _steep(case: Case, where: str) -> str:
+def _slope(case: Case) -> _Judged:
     scale = case.scales
-    if scale.rms_slope > IMPOSSIBLY_STEEP:
-        raise InputError(
-            f"surface: heights of {scale.rms_height:.3g} m (root mean square) on a cell of {scale.size[0]:.3g} x "
-            f"{scale.size[1]:.3g} m make an rms slope of {scale.rms_slope:.3g}{_at(case)}; beyond "
-            f"{IMPOSSIBLY_STEEP:g} the heights ({case.surface.height_key}) and surface.size cannot belong together"
-        )
-    return (
-        f"surface: rms slope {scale.rms_slope:.3g}{where}: linear elasticity of a half-space is meant for slopes well "
-        "below 1"
+    impossible = (
+        f"surface: heights of {scale.rms_height:.3g} m (root mean square) on a cell of {scale.size[0]:.3g} x "
+        f"{scale.size[1]:.3g} m make an rms slope of {scale.rms_slope:.3g}",
+        f"; beyond {IMPOSSIBLY_STEEP:g} the heights ({case.surface.height_key}) and surface.size cannot belong "
+        "together",
     )
-
-
-def _relative_load(case: Case) -> float:
-    return max(case.loading.path) / case.solid.contact_modulus if case.loading.control == "pressure" else 0.0
-
-
-def _heavy(case: Case, where: str) -> str:
-    return (
-        f"loading.path: a pressure of {units.stress(max(case.loading.path))} is {_relative_load(case):.2g} times the "
-        f"contact modulus, {units.stress(case.solid.contact_modulus)}{where}; are the units of loading.path and "
-        "material.youngs_modulus right?"
+    words = (
+        f"surface: rms slope {scale.rms_slope:.3g}",
+        ": linear elasticity of a half-space is meant for slopes well below 1",
     )
+    return scale.rms_slope / STEEP, words, impossible if scale.rms_slope > IMPOSSIBLY_STEEP else None
 
 
-def _weakness(case: Case) -> float:
-    pressed = squeeze(case.law, contact_stress(case))
-    return SQUEEZED / pressed if pressed > 0 else np.inf
+def _load(case: Case) -> _Judged:
+    share = _applied(case) / case.solid.contact_modulus
+    words = (
+        f"loading.path: a pressure of {units.stress(_applied(case))} is {share:.2g} times the contact modulus, "
+        f"{units.stress(case.solid.contact_modulus)}",
+        "; are the units of loading.path and material.youngs_modulus right?",
+    )
+    return share, words, None
 
 
-def _squeezed(case: Case, where: str) -> str:
+def _softness(case: Case) -> _Judged:
     pressed, stress = squeeze(case.law, contact_stress(case)), contact_stress(case)
     words = (
         f"interaction: against stresses of {stress:.3g} Pa the law's peak, {case.law.peak_tensile_stress:.3g} Pa, is "
         f"so weak that contacts are pressed to {pressed:.2g} of its length"
     )
-    if pressed < IMPOSSIBLY_SQUEEZED:
-        raise InputError(
-            f'{words}{_at(case)}; use interaction.law = "hard_wall", or check work_of_adhesion (well_depth), '
-            "well_depth_ratio and length"
-        )
-    return f"{words}{where}: interaction.contact_distance counts points as touching that carry next to nothing"
-
-
-def _residual(case: Case) -> float:
-    """Residual stress that the tolerance allows (Pa)."""
-    return case.solver.tolerance * case.solid.contact_modulus
-
-
-def _unresolved(case: Case, where: str) -> str:
-    return (
-        f"interaction: the law's peak, {case.law.peak_tensile_stress:.3g} Pa, is below the residual stress that "
-        f"solver.tolerance leaves, {_residual(case):.3g} Pa{where}: adhesion is not resolved; use a smaller tolerance"
+    impossible = (
+        '; use interaction.law = "hard_wall", or check work_of_adhesion (well_depth), well_depth_ratio and length'
     )
+    harmless = ": interaction.contact_distance counts points as touching that carry next to nothing"
+    excess = SQUEEZED / pressed if pressed > 0 else np.inf
+    return excess, (words, harmless), (words, impossible) if pressed < IMPOSSIBLY_SQUEEZED else None
 
 
-def _waves(case: Case) -> tuple[float, float, float, float]:
-    """Smallest and largest wavenumber of the table of a stiffness, and those along an axis of the grid (1/m)."""
+def _residual(case: Case) -> _Judged:
+    left, peak = case.solver.tolerance * case.solid.contact_modulus, case.law.peak_tensile_stress
+    words = (
+        f"interaction: the law's peak, {peak:.3g} Pa, is below the residual stress that solver.tolerance leaves, "
+        f"{left:.3g} Pa",
+        ": adhesion is not resolved; use a smaller tolerance",
+    )
+    return 2.0 if peak < left else 0.0, words, None
+
+
+def _table_waves(case: Case) -> _Judged:
     assert isinstance(case.solid, Measured)
-    longest, shortest = case.scales.grid_waves
-    table = case.solid.wavenumbers
-    return float(table[0]), float(table[-1]), 2 * np.pi / longest, 2 * np.pi / shortest
-
-
-def _missing_waves(case: Case) -> float:
-    smallest, largest, longest, shortest = _waves(case)
-    return max(smallest / longest, shortest / largest) / 1.01  # tables of three digits may end at the waves themselves
-
-
-def _few_waves(case: Case, where: str) -> str:
-    smallest, largest, longest, shortest = _waves(case)
-    return (
+    smallest, largest = case.solid.wavenumbers[0], case.solid.wavenumbers[-1]
+    longest, shortest = (2 * np.pi / length for length in case.scales.grid_waves)
+    missing = max(smallest / longest, shortest / largest) / 1.01  # tables of three digits may end at the waves
+    words = (
         f"elasticity.path: the table holds waves of {smallest:.3g} to {largest:.3g} m^-1, the grid has waves of "
-        f"{longest:.3g} to {shortest:.3g} m^-1{where}: beyond the table E*(q) is taken to be constant; check "
-        "elasticity.wavenumber_unit, surface.size and shape"
+        f"{longest:.3g} to {shortest:.3g} m^-1",
+        ": beyond the table E*(q) is taken to be constant; check elasticity.wavenumber_unit, surface.size and shape",
     )
+    return missing, words, None
 
 
-def _modulus_at_shortest(case: Case) -> float:
-    """E* of the table of a stiffness at the grid's shortest wave (Pa)."""
-    shortest = np.array(_waves(case)[3])
-    return float(contact_modulus_of(case.solid.stiffness(shortest), shortest))
-
-
-def _modulus_ratio(case: Case) -> float:
-    ratio = _modulus_at_shortest(case) / case.solid.contact_modulus
-    return max(ratio, 1 / ratio) / SAME_MODULUS
-
-
-def _other_modulus(case: Case, where: str) -> str:
-    return (
-        f"elasticity.path: at the grid's shortest wave the table's E* is {_modulus_at_shortest(case):.3g} Pa, that of "
-        f"material, which datasets quote and stresses are measured in, {case.solid.contact_modulus:.3g} Pa{where}: "
-        "check elasticity.stiffness_unit, or give the table's in material.youngs_modulus"
+def _table_modulus(case: Case) -> _Judged:
+    shortest = np.array(2 * np.pi / case.scales.grid_waves[1])
+    modulus = float(contact_modulus_of(case.solid.stiffness(shortest), shortest))
+    ratio = modulus / case.solid.contact_modulus
+    words = (
+        f"elasticity.path: at the grid's shortest wave the table's E* is {modulus:.3g} Pa, that of material, which "
+        f"datasets quote and stresses are measured in, {case.solid.contact_modulus:.3g} Pa",
+        ": check elasticity.stiffness_unit, or give the table's in material.youngs_modulus",
     )
+    return max(ratio, 1 / ratio) / SAME_MODULUS, words, None
 
 
 def _coarse_maps(cases: Sequence[Case]) -> list[str]:
@@ -196,7 +178,3 @@ def _coarse_maps(cases: Sequence[Case]) -> list[str]:
 
 def _change(left: float, whole: float) -> str:
     return f"{100 * (left / whole - 1):+.2g} %" if left < (1 - NEGLIGIBLE) * whole else "the same"
-
-
-def _at(case: Case) -> str:
-    return f" at {case.label}" if case.label else ""

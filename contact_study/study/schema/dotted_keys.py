@@ -96,9 +96,7 @@ def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
         for content, prefix in ((table.get(section, {}), ""), *((part, f"{section}.") for part in dotted_parts)):
             for key in [key for key in content if key.startswith(prefix)]:
                 own = key.removeprefix(prefix)
-                if key.removeprefix(prefix) in keys_of(kinds) and not kinds.has(
-                    {name: value}, key.removeprefix(prefix)
-                ):
+                if own in keys_of(kinds) and not kinds.has({name: value}, own):
                     del content[key]
     for dotted, value in overrides.items():
         section, name = split(dotted, "command line")
