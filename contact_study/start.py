@@ -1,52 +1,41 @@
-"""Entry points of the commands; Ctrl-C during imports ends them with one line, too."""
+"""Entry points of the commands. Nothing else is imported before Ctrl-C is handled."""
 
-import importlib
 import sys
-from typing import Any
+from collections.abc import Sequence
 
-from contact_study.campaign.model import MODELS
-from contact_study.inputs import plugins
-from contact_study.inputs.errors import INTERRUPTED, WRONG_INPUT, InputError
+_INTERRUPTED = 130
 
 
-def bem_adhesion() -> int:
-    """Run the continuum model."""
-    return _model("continuum")
+def bem_adhesion(arguments: Sequence[str] | None = None) -> int:
+    """All verbs; without one the continuum model."""
+    return _start("bem-adhesion", arguments)
 
 
-def md_reference() -> int:
-    """Run the atomistic model."""
-    return _model("atomistic")
+def md_reference(arguments: Sequence[str] | None = None) -> int:
+    """``bem-adhesion run --model atoms``."""
+    return _start("md-reference", arguments)
 
 
-def persson_theory() -> int:
-    """Run the theories."""
-    return _model("theory")
+def persson_theory(arguments: Sequence[str] | None = None) -> int:
+    """``bem-adhesion run --model theory``."""
+    return _start("persson-theory", arguments)
 
 
-def contact_compare() -> int:
-    """Compare datasets."""
-    return _command("contact-compare", "contact_study.command_line.compare")
+def contact_compare(arguments: Sequence[str] | None = None) -> int:
+    """``bem-adhesion compare``."""
+    return _start("contact-compare", arguments)
 
 
-def contact_merge() -> int:
-    """Merge datasets."""
-    return _command("contact-merge", "contact_study.command_line.merge")
+def contact_merge(arguments: Sequence[str] | None = None) -> int:
+    """``bem-adhesion merge``."""
+    return _start("contact-merge", arguments)
 
 
-def _model(kind: str) -> int:
-    model = MODELS[kind]
-    return _command(model.command, "contact_study.command_line.run", model)
-
-
-def _command(name: str, module: str, *arguments: Any) -> int:
+def _start(name: str, arguments: Sequence[str] | None) -> int:
     try:
-        plugins.load()
-        main = importlib.import_module(module).main
+        from contact_study.command_line.program import main
+
+        return main(name, arguments)
     except KeyboardInterrupt:
         print(f"{name}: interrupted before it began", file=sys.stderr)
-        return INTERRUPTED
-    except InputError as error:  # of a plug-in
-        print(f"{name}: error: {error}", file=sys.stderr)
-        return WRONG_INPUT
-    return int(main(*arguments))
+        return _INTERRUPTED

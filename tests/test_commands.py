@@ -13,10 +13,10 @@ import xarray as xr
 import bem_adhesion.study.model
 import md_reference.study.model
 import theory.study.model
-from contact_study.command_line.compare import main as compare
-from contact_study.command_line.run import main
 from contact_study.results.schema import COORDINATES, VARIABLES
+from contact_study.start import contact_compare as compare
 from tests.campaign.toy_study import steps_on_disk
+from tests.commands import main
 
 STUDY = """
 [study]

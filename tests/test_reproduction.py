@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from contact_study.command_line.compare import main as compare
+from contact_study.start import contact_compare as compare
 from contact_study.study.study import read_study
 from research import branches, continuum_against_atoms, two_starts
 from scripts import reproduce_yang2008, result_table

@@ -1,6 +1,6 @@
-"""The continuum model for a campaign, and its command ``bem-adhesion``."""
+"""The continuum model for a campaign."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -18,16 +18,9 @@ from contact_study.results.constants import InterfaceConstants, heights_on
 from contact_study.results.state import Ensemble, InterfaceState, Value
 from contact_study.study.case import Case
 
-__all__ = ["MODEL", "check", "constants", "main", "review", "solve_path"]
+__all__ = ["MODEL", "check", "constants", "review", "solve_path"]
 
 MODEL = MODELS["continuum"]
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command ``bem-adhesion``; return the exit status."""
-    from contact_study.command_line import run
-
-    return run.main(MODEL, arguments)
 
 
 def check(case: Case) -> None:
@@ -74,7 +67,3 @@ def solve_path(
     if isinstance(case.solid, Viscoelastic):
         return path_in_time(case, surface, case.solid, restart, start)
     return path_of_equilibria(case, surface, restart, start)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -1,12 +1,13 @@
-"""The frame of every command: its parser, one line for a mistake, exit status."""
+"""The frame of every command: its parser and help, keys of a study as options, one line for a mistake, exit status."""
 
 import argparse
-import contextlib
 import io
-import os
+import re
+import shutil
 import signal
 import sys
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from contact_study.campaign.engines import CampaignError
@@ -14,6 +15,15 @@ from contact_study.inputs.errors import DONE, INTERRUPTED, NOT_CONVERGED, WRONG_
 
 if TYPE_CHECKING:
     import xarray as xr
+
+MODELS = {"continuum": "continuum", "atoms": "atomistic", "theory": "theory"}  # by the words of --model
+STATUS = {
+    DONE: "0 done",
+    WRONG_INPUT: "1 invalid input",
+    NOT_CONVERGED: "2 some steps not converged",
+    INTERRUPTED: "130 interrupted",
+}
+_KEY = re.compile(r"--(?P<key>[a-z_]+\.\w+)(?:=(?P<value>.*))?", re.DOTALL)
 
 
 class Parser(argparse.ArgumentParser):
@@ -23,13 +33,63 @@ class Parser(argparse.ArgumentParser):
         raise InputError(message)
 
 
-def complete(parser: argparse.ArgumentParser) -> None:
-    """Answer the shell's request to complete a line and exit; see docs/installation.md."""
-    if "_ARGCOMPLETE" in os.environ:
-        with contextlib.suppress(ImportError):  # an extra
-            import argcomplete
+class Help(argparse.RawDescriptionHelpFormatter):
+    """Help of at most 100 columns, examples as they are written."""
 
-            argcomplete.autocomplete(parser)
+    def __init__(self, prog: str):
+        super().__init__(prog, max_help_position=30, width=min(100, shutil.get_terminal_size((100, 24)).columns))
+
+    def _format_action_invocation(self, action: argparse.Action) -> str:
+        if not action.option_strings or action.nargs == 0:
+            return super()._format_action_invocation(action)
+        return f"{', '.join(action.option_strings)} {action.metavar}"
+
+
+def epilog(*examples: str, solves: bool = False) -> str:
+    """Return the end of a help: examples and exit status; ``solves``: of steps that may not converge."""
+    statuses = [words for status, words in STATUS.items() if solves or status != NOT_CONVERGED]
+    return "\n".join(["examples:", *(f"  {line}" for line in examples), "", f"exit status: {'   '.join(statuses)}"])
+
+
+def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
+    """Part options of the form ``--section.key VALUE`` from the others; a value may begin with a minus sign."""
+    others: list[str] = []
+    keys: dict[str, Any] = {}
+    left = iter(arguments)
+    for argument in left:
+        found = _KEY.fullmatch(argument)
+        if found is None:
+            others.append(argument)
+            continue
+        value = found["value"] if found["value"] is not None else next(left, "--")
+        if value.startswith("--"):
+            raise InputError(f"--{found['key']}: expected a value")
+        keys[found["key"]] = _toml_value(value)
+    return others, keys
+
+
+def _toml_value(text: str) -> Any:
+    """Read a value as TOML writes it; anything else is a string."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except ValueError:
+        return text
+
+
+def check_keys(keys: Mapping[str, Any]) -> None:
+    """Raise InputError for a key that no study has, with the nearest that one has."""
+    from contact_study.inputs import plugins
+    from contact_study.study.schema.dotted_keys import all_keys
+    from contact_study.study.schema.keys import replacement, suggestion
+
+    plugins.load()
+    known = [f"{section}.{name}" for section, name, *_ in all_keys()]
+    for key in keys:
+        if key not in known:
+            section = key.partition(".")[0]
+            where = f" {section}" if any(one.startswith(f"{section}.") for one in known) else ""
+            meant = replacement(key, "--") or suggestion(f"--{key}", [f"--{one}" for one in known])
+            raise InputError(f"unknown key --{key}{meant}; see bem-adhesion keys{where}")
 
 
 def guarded(command: str, body: Any, interrupted: str = "finished steps are kept, continue with --resume") -> int:

@@ -47,13 +47,6 @@ _MOST_INCOMPRESSIBLE = 0.49999
 _SHORTEST = 0.3
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command ``md-reference``; return the exit status."""
-    from contact_study.command_line import run
-
-    return run.main(MODEL, arguments)
-
-
 def check(case: Case) -> None:
     """Raise InputError unless the atomistic model can compute a case."""
     given, law, control = case.atomistic, case.interaction.law, case.loading.control
@@ -218,7 +211,3 @@ def solve_path(
 ) -> Iterator[InterfaceState | Ensemble]:
     """Yield states along the loading path by the case's method, see :data:`md_reference.study.system.Method`."""
     return METHODS[case.atomistic.method](case, surface, restart, start, predictor)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -6,9 +6,9 @@ import pytest
 import tomli_w
 
 from contact_study.campaign.store.case_file import CaseWriter
-from contact_study.command_line.run import main
 from tests.campaign.toy_model import SOLVED, TOY
 from tests.campaign.toy_study import BASE, STUDY
+from tests.commands import main
 
 
 @pytest.fixture

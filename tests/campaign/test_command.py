@@ -217,8 +217,8 @@ def test_warnings_are_shown_and_kept(study, tmp_path, capsys):
     ("arguments", "culprit"),
     [
         (["--surface.hurst", "0.8"], "--surface.hurst"),
-        (["--dynamics.seed", "3"], "unknown argument --dynamics.seed (use --atomistic.random_seed); see --help"),
-        (["--sampling.random_seed=3"], "=3 (use --atomistic.random_seed); see --help"),
+        (["--dynamics.seed", "3"], "unknown key --dynamics.seed (use --atomistic.random_seed); see bem-adhesion keys"),
+        (["--sampling.random_seed=3"], "(use --atomistic.random_seed); see bem-adhesion keys sampling"),
         (["--surface.rms_heigth", "1 nm"], "did you mean --surface.rms_height?"),
         (["--surface.shape", "[200000, 200000]"], "GB of memory"),
         (["-o", ""], "name a file"),
@@ -249,18 +249,7 @@ def test_help_on_a_terminal_without_greek():
     command = [sys.executable, "-m", "tests.campaign.toy_model", "--help"]
     done = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONIOENCODING": "ascii"})
     assert done.returncode == 0, done.stderr
-    assert b"--material.poissons_ratio" in done.stdout
-
-
-def test_help_shows_every_key(capsys):
-    with pytest.raises(SystemExit) as stop:
-        run("--help")
-    assert stop.value.code == 0
-    shown = capsys.readouterr().out
-    from contact_study.study.schema.dotted_keys import all_keys
-
-    for section, name, _, _ in all_keys():
-        assert f"--{section}.{name}" in shown
+    assert b"exit status: 0 done" in done.stdout
 
 
 def test_schema_is_whole():

@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 
 from contact_study.campaign.model import MODELS
-from contact_study.command_line.compare import main as compare
-from contact_study.command_line.merge import main as merge
+from contact_study.start import contact_compare as compare
+from contact_study.start import contact_merge as merge
 from tests.campaign.toy_model import TOY, TOY_ATOMS
 from tests.campaign.toy_study import BASE, changed
 
@@ -134,7 +134,7 @@ def test_a_full_disk_while_a_comparison_is_written(finished, tmp_path):
     """A file may grow to 40 kB: the library's own error, in one line, and nothing is left."""
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000)); "
-        "from contact_study.command_line.compare import main; sys.exit(main())"
+        "from contact_study.start import contact_compare; sys.exit(contact_compare())"
     )
     before = sorted(tmp_path.iterdir())
     command = [sys.executable, "-c", code, str(tmp_path / "bem.nc"), "-o", str(tmp_path / "comparison.nc")]

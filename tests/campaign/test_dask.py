@@ -15,11 +15,11 @@ import pytest
 
 from contact_study.campaign import engines
 from contact_study.campaign.engines import ENGINES, CampaignError
-from contact_study.command_line.run import main
 from contact_study.inputs.errors import InputError
 from tests.campaign.tasks import die, fail, square, wait_for
 from tests.campaign.toy_model import TOY
 from tests.campaign.toy_study import STUDY, assert_same, steps_on_disk
+from tests.commands import main
 
 distributed = pytest.importorskip("distributed")
 # Dask's own, on its way down.

@@ -1,4 +1,4 @@
-"""The example studies that come with the package: --example, and what the shell completes."""
+"""The example studies that come with the package, and what the shell completes."""
 
 import io
 import os
@@ -10,31 +10,31 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bem_adhesion.study.model import MODEL
-from contact_study.command_line.compare import main as compare
-from contact_study.command_line.examples import example, example_names
-from contact_study.command_line.merge import main as merge
-from contact_study.command_line.run import main
+from contact_study.command_line.init import example, example_names
+from contact_study.start import bem_adhesion, contact_compare
 from contact_study.study.study import read_study
 
 MEASURED = "measured"  # waits for the map of a user
 
 
 @pytest.mark.parametrize("name", example_names())
-def test_an_example_is_a_study(name, tmp_path, capsys):
-    assert main(MODEL, ["--example", name]) == 0
-    printed = capsys.readouterr().out
-    (tmp_path / "study.toml").write_text(printed)
+def test_an_example_is_a_study(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert bem_adhesion(["init", name]) == 0
+    assert capsys.readouterr().out == f"{name}.toml\n"
     if name == MEASURED:
         np.save(tmp_path / "afm.npy", np.random.default_rng(1).standard_normal((32, 32)))
-    study = read_study(tmp_path / "study.toml")
+    study = read_study(tmp_path / f"{name}.toml")
     assert study.cases
     assert study.title != "untitled study"
+    assert bem_adhesion(["--example", name]) == 0  # its name in earlier versions
+    assert capsys.readouterr().out == (tmp_path / f"{name}.toml").read_text()
 
 
-def test_without_a_name_all_are_listed(capsys):
-    assert main(MODEL, ["--example"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+@pytest.mark.parametrize("arguments", [["init"], ["--example"]])
+def test_without_a_name_all_are_listed(arguments, capsys):
+    assert bem_adhesion(arguments) == 0
+    lines = capsys.readouterr().out.splitlines()[1:]
     assert [line.split()[0] for line in lines] == example_names()
     assert {"first", "yang2008", "rubber", "sphere", MEASURED} <= {*example_names()}
     assert all(len(line.split()) > 2 for line in lines), "each with its title"
@@ -43,18 +43,23 @@ def test_without_a_name_all_are_listed(capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--example", "yang208"], "--example yang208: unknown (did you mean yang2008?); known: first,"),
-        (["--example", "../keys"], "known: first,"),
-        (["--example", "first", "-o", "first.toml"], "--example NAME > study.toml"),
-        (["study.toml", "--example", "first"], "--example NAME > study.toml"),
+        (["yang208"], "unknown example yang208 (did you mean yang2008?); known: first,"),
+        (["../keys"], "known: first,"),
+        (["first", "-o", "mine.toml"], "mine.toml exists; use --overwrite"),
+        (["-o", "other.toml"], "which example?"),
     ],
 )
-def test_what_is_no_example(arguments, words, capsys):
-    assert main(MODEL, arguments) == 1
+def test_what_is_no_example(arguments, words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text("mine")
+    assert bem_adhesion(["init", *arguments]) == 1
     captured = capsys.readouterr()
     assert words in captured.err
     assert captured.out == ""
     assert captured.err.count("\n") == 1
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("mine.toml", "mine")]
+    assert bem_adhesion(["init", "first", "-o", "mine.toml", "--overwrite"]) == 0
+    assert (tmp_path / "mine.toml").read_text() == example("first")
 
 
 def test_the_sphere_comes_off_where_jkr_says():
@@ -108,19 +113,20 @@ def completions_here(line, command, monkeypatch):
 
 def test_the_shell_completes_keys(tmp_path):
     pytest.importorskip("argcomplete")
-    assert "--surface.rms_height" in completions("bem-adhesion study.toml --surface.rms", tmp_path)
+    assert "--surface.rms_height" in completions("bem-adhesion run study.toml --surface.rms", tmp_path)
 
 
 @pytest.mark.parametrize(
     ("line", "command", "offered"),
     [
-        ("bem-adhesion study.toml --interaction.law hard", partial(main, MODEL), "hard_wall"),
-        ("bem-adhesion study.toml --theory.spectrum an", partial(main, MODEL), "analytic"),
-        ("bem-adhesion --example yang2008_", partial(main, MODEL), "yang2008_quick"),
-        ("contact-compare --sca", compare, "--scatter"),
-        ("contact-merge --al", merge, "--along"),
+        ("bem-adhesion ru", bem_adhesion, "run"),
+        ("bem-adhesion run study.toml --interaction.law hard", bem_adhesion, "hard_wall"),
+        ("bem-adhesion study.toml --theory.spectrum an", bem_adhesion, "analytic"),
+        ("bem-adhesion init yang2008_", bem_adhesion, "yang2008_quick"),
+        ("contact-compare --sca", contact_compare, "--scatter"),
+        ("bem-adhesion merge --al", bem_adhesion, "--along"),
     ],
 )
-def test_words_examples_and_other_commands_are_completed(line, command, offered, monkeypatch):
+def test_words_examples_and_verbs_are_completed(line, command, offered, monkeypatch):
     pytest.importorskip("argcomplete")
     assert [word.strip() for word in completions_here(line, command, monkeypatch)] == [offered]

@@ -1,4 +1,4 @@
-"""``--inspect``, and what a run says and keeps of its surface."""
+"""``inspect``, and what a run says and keeps of its surface."""
 
 import matplotlib.image
 import numpy as np
@@ -7,6 +7,7 @@ import xarray as xr
 
 from contact_study.numerics.grid import Grid
 from contact_study.physics.roughness.statistics import roughness_of
+from contact_study.start import bem_adhesion
 from tests.campaign.toy_study import run
 
 MAP = """
@@ -38,12 +39,16 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+def inspect(*arguments):
+    return bem_adhesion(["inspect", *arguments])
+
+
 KEYS = ("--surface.size", "4 nm, 8 nm", "--surface.height_unit", "pm", "--surface.fill", "harmonic")
 
 
 def test_a_map_is_looked_at_and_nothing_run(folder, capsys):
     before = {path.name for path in folder.iterdir()}
-    assert run("--inspect", "map.npy", *KEYS) == 0
+    assert inspect("map.npy", *KEYS) == 0
     said = capsys.readouterr()
     assert said.err == ""
     lines = said.out.splitlines()
@@ -62,13 +67,13 @@ def test_a_map_is_looked_at_and_nothing_run(folder, capsys):
 
 
 def test_the_surface_of_a_study_is_looked_at(folder, study, capsys):
-    assert run("--inspect", "study.toml", "-o", "looked.pdf") == 0
+    assert inspect("study.toml", "-o", "looked.pdf") == 0
     said = capsys.readouterr().out
     assert "16 x 16 points" in said
     assert "first of 2 surfaces" in said
     assert (folder / "looked.pdf").read_bytes()[:4] == b"%PDF"
     (folder / "study.toml").write_text(MAP)
-    assert run("--inspect", "study.toml", "--surface.edges", "mirror") == 0
+    assert inspect("study.toml", "--surface.edges", "mirror") == 0
     assert "64 x 128 points" in capsys.readouterr().out
 
 
@@ -76,7 +81,7 @@ def test_a_flat_surface_is_looked_at_too(folder, capsys):
     table = MAP.split("[material]")
     flat = '[surface]\nkind = "flat"\nsize = "8 nm"\nshape = [8, 8]\n[material]'
     (folder / "flat.toml").write_text(flat + table[1])
-    assert run("--inspect", "flat.toml") == 0
+    assert inspect("flat.toml") == 0
     assert "h_rms 0 pm" in capsys.readouterr().out
     assert (folder / "flat.inspect.png").exists()
 
@@ -84,20 +89,19 @@ def test_a_flat_surface_is_looked_at_too(folder, capsys):
 @pytest.mark.parametrize(
     ("arguments", "culprit"),
     [
-        (("--inspect", "nowhere.npy"), "nowhere.npy does not exist"),
-        (("--inspect", "."), "--inspect: . is a folder"),
-        (("--inspect", "map.npy"), "surface.size"),
-        (("--inspect", "map.npy", *KEYS, "--loading.unload", "true"), "loading.unload"),
-        (("--inspect", "map.npy", *KEYS, "-o", "map.npy"), "map.npy"),
-        (("--inspect", "map.npy", *KEYS, "-o", "nowhere.xyz"), "xyz"),
-        (("study.toml", "--inspect", "map.npy"), "study.toml"),
-        (("study.toml",), "-o OUT.nc"),
-        ((), "-o OUT.nc"),
+        (("nowhere.npy",), "nowhere.npy does not exist"),
+        ((".",), "inspect: . is a folder"),
+        (("map.npy",), "surface.size"),
+        (("map.npy", *KEYS, "--loading.unload", "true"), "loading.unload"),
+        (("map.npy", *KEYS, "-o", "map.npy"), "map.npy"),
+        (("map.npy", *KEYS, "-o", "nowhere.xyz"), "xyz"),
+        (("study.toml", "map.npy"), "map.npy"),
+        ((), "FILE"),
     ],
 )
 def test_bad_input_is_one_line(folder, capsys, arguments, culprit):
     before = (folder / "map.npy").read_bytes()
-    assert run(*arguments) == 1
+    assert inspect(*arguments) == 1
     said = capsys.readouterr()
     assert culprit in said.err
     assert len(said.err.splitlines()) == 1

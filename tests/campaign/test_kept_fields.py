@@ -8,8 +8,8 @@ import xarray as xr
 
 import contact_study
 from contact_study import plots
-from contact_study.command_line.merge import main as merge
 from contact_study.inputs.errors import InputError
+from contact_study.start import contact_merge as merge
 from contact_study.study.study import make_study
 
 STUDY = {

@@ -10,10 +10,9 @@ import pytest
 import tomli_w
 import xarray as xr
 
-import bem_adhesion.study.model
 import contact_study
 from bem_adhesion import HalfSpace, Layer, Layered, LennardJones104, Measured, Tabulated, Viscoelastic
-from contact_study import make_study, run
+from contact_study import make_study, run, start
 from contact_study.campaign.library import _plain
 from contact_study.numerics.grid import Grid
 from contact_study.study.schema.objects import with_keys
@@ -62,7 +61,7 @@ def test_a_table_gives_the_dataset_of_the_command_and_leaves_nothing(tmp_path):
     assert table == STUDY
     assert list(tmp_path.iterdir()) == []
     (tmp_path / "study.toml").write_text(tomli_w.dumps(STUDY))
-    assert bem_adhesion.study.model.main(["study.toml", "-o", "bem.nc", "--workers", "1"]) == 0
+    assert start.bem_adhesion(["study.toml", "-o", "bem.nc", "--workers", "1"]) == 0
     with xr.open_dataset("bem.nc") as written:
         assert_same(dataset, written)
         assert dataset.attrs["study_toml"] == written.attrs["study_toml"]

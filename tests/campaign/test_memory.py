@@ -7,12 +7,12 @@ import pytest
 from contact_study.campaign import engines, memory
 from contact_study.campaign import run as runner
 from contact_study.campaign.record import prepare_run
-from contact_study.command_line.run import main
 from contact_study.inputs.errors import InputError
 from contact_study.study.bins import bins_of
 from contact_study.study.study import make_study
 from tests.campaign.toy_model import TOY
 from tests.campaign.toy_study import changed
+from tests.commands import main
 
 NEED = 16 * 16 * 100.0  # of a case of the toy's study
 

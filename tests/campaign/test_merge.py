@@ -12,10 +12,10 @@ from contact_study.campaign import merge as merging
 from contact_study.campaign.dataset.file import States, states_file
 from contact_study.campaign.model import MODELS
 from contact_study.campaign.resume.work_directory import WorkDirectory
-from contact_study.command_line.merge import main as merge_main
-from contact_study.command_line.run import main
+from contact_study.start import contact_merge as merge_main
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import BASE, assert_same, changed
+from tests.commands import main
 
 SWEPT = {"sweep": {"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2, 3]}}
 WHOLE = changed(**SWEPT)

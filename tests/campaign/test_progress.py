@@ -1,5 +1,5 @@
-from bem_adhesion.study.model import main
 from contact_study.campaign.progress import Progress
+from contact_study.start import bem_adhesion
 
 
 def test_a_line_says_what_became_of_a_step(capsys):
@@ -40,7 +40,7 @@ def test_tension_on_separated_surfaces_says_so(tmp_path, capsys):
         path = ["-1 MPa", "1 MPa"]
         """
     )
-    assert main([str(study), "-o", str(tmp_path / "out.nc")]) == 0
+    assert bem_adhesion([str(study), "-o", str(tmp_path / "out.nc")]) == 0
     lines = capsys.readouterr().err
     words = "the surfaces are separated; start the loading path with a positive pressure"
     assert f"[1/2] -1 MPa, detached: {words}" in lines

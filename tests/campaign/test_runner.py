@@ -6,8 +6,8 @@ import pytest
 
 from contact_study.campaign import engines
 from contact_study.campaign import run as runner
-from contact_study.command_line.run import main
 from tests.campaign.toy_model import TOY
+from tests.commands import main
 
 RUN = engines.run
 

@@ -11,11 +11,11 @@ from scipy import constants
 import contact_study
 from contact_study import plots
 from contact_study.campaign.dataset.xyz import to_xyz
-from contact_study.command_line import compare
 from contact_study.plots.atom_rows import NEEDED
 from contact_study.report.align.states import read_atoms
 from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.read.datasets import read_inputs
+from contact_study.start import contact_compare
 from contact_study.study.study import make_study
 from md_reference.study.dynamics import build_block
 from md_reference.study.model import check
@@ -206,7 +206,7 @@ def test_comparison_reads_the_atoms_of_its_state(dataset):
 @pytest.mark.validation
 def test_report_has_the_picture(dataset, tmp_path):
     made = [str(dataset.encoding["source"]), "-o", str(tmp_path / "out.nc"), "--figures", str(tmp_path / "figures")]
-    assert compare.main([*made, "--report", str(tmp_path / "report.html")]) == 0
+    assert contact_compare([*made, "--report", str(tmp_path / "report.html")]) == 0
     assert list((tmp_path / "figures").glob("*_atoms.png"))
     assert "Bottom layer of the block over the sites" in (tmp_path / "report.html").read_text()
 

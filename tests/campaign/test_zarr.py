@@ -11,12 +11,12 @@ from bem_adhesion.study.model import MODEL
 from contact_study.campaign import library
 from contact_study.campaign.model import MODELS
 from contact_study.campaign.record import content_hash
-from contact_study.command_line.compare import main as compare
-from contact_study.command_line.merge import main as merge
-from contact_study.command_line.run import main
+from contact_study.start import contact_compare as compare
+from contact_study.start import contact_merge as merge
 from tests.campaign.test_merge import WHOLE
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import changed
+from tests.commands import main
 from tests.report.synthetic import STUDY
 
 pytest.importorskip("zarr")

@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 
 from contact_study.campaign.model import Model
+from contact_study.command_line import program
 from contact_study.inputs.errors import InputError
 from contact_study.results.state import Step
 
@@ -63,9 +64,7 @@ def solve_path(case, surface, restart=None, start=0, predictor=None):
 
 
 def main():
-    from contact_study.command_line.run import main as run
-
-    return run(TOY)
+    return program.main(TOY.command, model=TOY)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ from pathlib import Path
 import xarray as xr
 
 from contact_study.campaign.store.case_file import CaseFile
-from contact_study.command_line.run import main
 from tests.campaign.toy_model import TOY
+from tests.commands import main
 
 STUDY = """
 [study]

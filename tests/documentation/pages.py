@@ -8,14 +8,16 @@ from pathlib import Path
 
 import pytest
 
+from contact_study import start
+
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 COMMANDS = {
-    "bem-adhesion": "bem_adhesion.study.model",
-    "md-reference": "md_reference.study.model",
-    "persson-theory": "theory.study.model",
-    "contact-compare": "contact_study.command_line.compare",
-    "contact-merge": "contact_study.command_line.merge",
+    "bem-adhesion": start.bem_adhesion,
+    "md-reference": start.md_reference,
+    "persson-theory": start.persson_theory,
+    "contact-compare": start.contact_compare,
+    "contact-merge": start.contact_merge,
 }
 SHELL = ("", "bash")
 # A table of results: its command is run by scripts/docs_tables.py, see test_tables.py.

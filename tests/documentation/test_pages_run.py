@@ -13,8 +13,8 @@ from scipy.ndimage import gaussian_filter
 
 import bem_adhesion.study.model
 import md_reference.study.model
-from contact_study.command_line.examples import example
-from contact_study.command_line.run import main
+from contact_study.command_line.init import example
+from tests.commands import main
 from tests.documentation.pages import PAGES, SHELL, blocks
 
 # Not the sphere and rubber, which are large.

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.command_line.compare import main
 from contact_study.plots.selection import extent, touching
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.states import read_gaps
@@ -18,6 +17,7 @@ from contact_study.report.figures import illustrations
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
 from contact_study.report.text.wording import percent
+from contact_study.start import contact_compare as main
 from contact_study.study.case import realise
 from tests.report.panels import at
 from tests.report.synthetic import GAP_STUDY, SINGLE, STUDY, study, write, write_all

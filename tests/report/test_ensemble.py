@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.command_line.compare import main
 from contact_study.inputs.errors import InputError
 from contact_study.report.align.curves import path_curves
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.ensemble import ensemble_statistics
 from contact_study.report.read.datasets import read_inputs
+from contact_study.start import contact_compare as main
 from tests.report.synthetic import STUDY, area, write
 
 SEEDED = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')

@@ -10,13 +10,13 @@ import pytest
 import xarray as xr
 
 import contact_study.report
-from contact_study.command_line.compare import main
 from contact_study.report import models
 from contact_study.report.align.curves import path_curves
 from contact_study.report.align.deviations import pairs_of
 from contact_study.report.figures.panels import contact_area_figure
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.tables.results import results_tables
+from contact_study.start import contact_compare as main
 from tests.report.panels import areas
 from tests.report.synthetic import AREA_FACTOR, area, write_all
 

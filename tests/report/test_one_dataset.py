@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.command_line.compare import main
 from contact_study.inputs.errors import InputError
 from contact_study.plots.paths import Curve
 from contact_study.report.align.cases import sweep_points
@@ -19,6 +18,7 @@ from contact_study.report.figures.panels import contact_area_figure
 from contact_study.report.figures.states import magnification_figure
 from contact_study.report.figures.style import look_of
 from contact_study.report.read.datasets import read_inputs
+from contact_study.start import contact_compare as main
 from tests.report.panels import areas, at
 from tests.report.synthetic import AREA_FACTOR, STUDY, area, gap, write
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.command_line.compare import main
 from contact_study.inputs.errors import InputError
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.scatter import read_scatter
+from contact_study.start import contact_compare as main
 from tests.report.synthetic import STUDY, area, write, write_all
 
 SEEDS = np.array([1, 2, 4])

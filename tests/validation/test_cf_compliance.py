@@ -7,9 +7,9 @@ import netCDF4
 import pytest
 
 import contact_study
-from contact_study.command_line.compare import main as compare
-from contact_study.command_line.merge import main as merge
 from contact_study.results.schema import CONVENTIONS
+from contact_study.start import contact_compare as compare
+from contact_study.start import contact_merge as merge
 from tests.report.synthetic import STUDY, write
 
 runner = pytest.importorskip("compliance_checker.runner")

@@ -1,4 +1,4 @@
-"""The theories of a case as a campaign runs them, and the command ``persson-theory``.
+"""The theories of a case as a campaign runs them.
 
 ``persson`` is Persson's theory as the paper used it, ``gap_flow`` the equilibrium of the gap-flow theory, and
 ``gap_flow/loading`` and ``gap_flow/unloading`` are its two metastable branches, with every reachable state between
@@ -36,13 +36,6 @@ POINTS_FOR_THREADS = 0
 # Limits of plausible input: largest detachment stress over the stress of the roughness, for beyond it the surface is
 # flat to the law, and largest wavelength of the finest roughness over the law's length.
 _FLATTEST, _COARSEST = 300.0, 1e5
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """The command ``persson-theory``; returns the exit status."""
-    from contact_study.command_line import run
-
-    return run.main(MODEL, arguments)
 
 
 def check(case: Case) -> None:
@@ -199,7 +192,3 @@ def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, An
         values[group + "mean_separation"] = gap - solid.compression(pressure)
         values[group + "elastic_energy"] = energy + solid.compression_energy(pressure)
     return values
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
