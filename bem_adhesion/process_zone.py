@@ -38,10 +38,7 @@ def resolving_shape(size: tuple[float, float], zone: float) -> tuple[int, int]:
 
 
 def resolved_length(law: TractionLaw, spacing: float, zone: float) -> float:
-    """Return the law's length (m), rounded up to two digits, at which a grid spacing (m) resolves its process zone.
-
-    The work of adhesion stays the same; the zone, now ``zone`` (m), grows with the square of that length.
-    """
+    """Return the law's length (m), to two digits, at which a spacing (m) resolves its zone, now ``zone`` (m)."""
     least = law.length * math.sqrt(POINTS_PER_PROCESS_ZONE * spacing / zone)
     digits = 10 ** (math.floor(math.log10(least)) - 1)
     return float(f"{math.ceil(least / digits * (1 - 1e-12)) * digits:.1e}")

@@ -53,12 +53,10 @@ def reach(law: TractionLaw) -> float:
 class AdhesiveContact:
     """One rough surface against an elastic solid under a traction-separation law, for any number of loads.
 
-    Parameters as for :func:`rough_contact`, in SI units; inside, lengths are scaled by the law's length and stresses
-    by the contact modulus. A stiff spring holds a prescribed mean gap, its end moved until the mean gap is met: the
-    contact itself stays soft and may jump inside. The solid's own stiffness against a uniform pressure holds a
-    prescribed approach. ``tolerance`` is the largest max|K w + φ'(d) + p| / E* of a solution; under control of the gap
-    or the approach also its largest error in units of the law's length. ``window`` is the part of the grid with a
-    surface, for free boundaries; the heights outside are ignored.
+    Parameters as for :func:`rough_contact`, in SI units; inside, the units are the law's length and the contact
+    modulus. A stiff spring holds a mean gap, its end moved until the gap is met; the solid's own stiffness against a
+    uniform pressure holds an approach. ``tolerance`` bounds max|K w + φ'(d) + p| / E*, and the error of gap or approach
+    over the law's length. Heights outside the ``window`` are ignored.
     """
 
     def __init__(

@@ -93,10 +93,10 @@ def _raise_to_largest(field, rows, columns, largest):
 
 
 def find_subdomains(largest: np.ndarray, close: float) -> list[tuple[int, int]] | None:
-    """Find subdomains within whose rims all tiles out of balance lie; None if there are none or too many.
+    """Find the first tiles of subdomains within whose rims all tiles out of balance lie; None without, or too many.
 
-    Each is given by its first tile. ``largest`` is the residual of each tile; below ``close`` it is in balance.
-    The worst tile is in the subdomain that contains most others, or is in the middle of it.
+    ``largest`` is the residual of each tile; below ``close`` it is in balance. The worst tile is in the subdomain that
+    contains most others, or is in the middle of it.
     """
     inside = np.arange(1, TILES_OF_SUBDOMAIN - 1)
     from_middle = np.abs(inside - inside.mean())

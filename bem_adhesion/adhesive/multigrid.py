@@ -43,10 +43,7 @@ def _close_gaps(touching: np.ndarray, fine: np.ndarray) -> None:
 
 
 class MultigridSolver:
-    """A :class:`NewtonSolver` whose load steps are predicted on coarser grids that resolve the law.
-
-    The coarser grids use memory that the finest does not need meanwhile.
-    """
+    """A :class:`NewtonSolver` whose load steps are predicted on coarser grids that resolve the law."""
 
     def __init__(
         self,
@@ -82,11 +79,7 @@ class MultigridSolver:
     def solve(
         self, gap: np.ndarray, load: Load, tolerance: float, max_iterations: int, first_contact: bool = False
     ) -> NewtonResult:
-        """Find the minimum of the energy that the gap, which is overwritten, descends to.
-
-        Parameters as for :meth:`NewtonSolver.solve`. An equilibrium with a direction of negative curvature is left
-        along it.
-        """
+        """Find the minimum that the gap, which is overwritten, descends to; parameters as for :class:`NewtonSolver`."""
         result = self._descend(gap, load, tolerance, max_iterations, first_contact, carries=True)
         while result.outcome is Outcome.CONVERGED:
             lower = self.leave_saddle(result.gap, load)
@@ -161,8 +154,7 @@ class MultigridSolver:
     def _has_negative_curvature(self) -> bool:
         """Return whether the state that :attr:`finest` has just solved for is no minimum.
 
-        Unstable modes are as wide as the process zone: a coarse grid that resolves it finds them at less cost. The
-        finest grid decides where a coarse one finds a mode.
+        A coarse grid that resolves the process zone finds unstable modes at less cost; the finest decides about them.
         """
         curvature, level = self.finest.curvature, self
         while level.coarser and level.coarser.points_per_process_zone >= self.options.points_for_curvature:

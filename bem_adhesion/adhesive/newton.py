@@ -74,17 +74,9 @@ class NewtonSolver:
         return self.solid.equivalent_pairs(grid) + single + local
 
     def set_anchor_springs(self, stiffness: float | np.ndarray, anchor: np.ndarray, stalls: bool = True) -> None:
-        """Hold every point to a gap by springs; remove the springs where all stiffnesses are zero.
-
-        Where negative curvature remains, a solve then stalls, or continues without ``stalls``.
-        """
+        """Hold every point to a gap by springs, or none; with negative curvature a solve ``stalls`` or goes on."""
         self.local.springs = (stiffness, anchor) if np.any(stiffness) else None
         self._stalls = self.local.springs is not None and stalls
-
-    def imbalance_at(self, gap: np.ndarray, load: Load) -> tuple[EnergyAndGradient, bool]:
-        """Evaluate a gap; return its energy and gradient, and whether the surfaces detach from there."""
-        state = self._evaluate(gap, load)
-        return state, self._is_detaching(gap, state)
 
     def press(self, gap: np.ndarray, load: Load) -> np.ndarray:
         """Write K d and the load's field into the field of the solid, from which a solve may continue."""
@@ -122,13 +114,13 @@ class NewtonSolver:
         """Return the residual that the rounding of a gap leaves."""
         return ROUNDING * self.solid.largest * float(gap.max())
 
-    def _evaluate(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+    def evaluate(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
         """Evaluate energy and gradient; fill curvature, right side, and the field of the solid as :meth:`press`."""
         self.press(gap, load)
         return self._pressed(gap, load)
 
     def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: Load) -> EnergyAndGradient:
-        """Evaluate as :meth:`_evaluate` at a new gap, by the change from the one that was evaluated last."""
+        """Evaluate as :meth:`evaluate` at a new gap, by the change from the one that was evaluated last."""
         change = self._single.field
         np.subtract(new, gap, out=change, casting="same_kind")
         largest = max(float(change.max()), -float(change.min()))
@@ -141,26 +133,23 @@ class NewtonSolver:
         self.solid.field -= self._single.field
 
     def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: Load) -> EnergyAndGradient:
-        """Evaluate as :meth:`_evaluate`, from the gap that was pressed last, if there is one."""
+        """Evaluate as :meth:`evaluate`, from the gap that was pressed last, if there is one."""
         if known is None:
-            return self._evaluate(gap, load)
+            return self.evaluate(gap, load)
         if known is gap:
             return self._pressed(gap, load)
         return self._unless_rounded(self._evaluate_change(known, gap, load), gap, load)
 
     def _unless_rounded(self, state: EnergyAndGradient, gap: np.ndarray, load: Load) -> EnergyAndGradient:
         """Return the state, evaluated again where rounding may show in its residual."""
-        return self._evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
+        return self.evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
 
     def _pressed(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
         """Evaluate energy and gradient at a gap whose K d is in the solid's field."""
         return self.local.energy_and_gradient(self.solid.field, gap, load, self._right_side, self.curvature)
 
-    def _is_detaching(self, gap: np.ndarray, state: EnergyAndGradient) -> bool:
-        """Return whether a tension separates the surfaces with every point beyond the peak of the law.
-
-        The mean gap then has negative curvature and an outward gradient, and both persist at any larger gap.
-        """
+    def is_detaching(self, gap: np.ndarray, state: EnergyAndGradient) -> bool:
+        """Return whether a tension separates the surfaces with every point beyond the peak: then for ever."""
         tension = self.solid.mean_stiffness == 0 and state.total < 0 and self.local.springs is None
         return tension and bool(self.window.inside(gap).min() > self.law.peak_distance)
 
@@ -177,10 +166,9 @@ class NewtonSolver:
     ) -> NewtonResult:
         """Descend from a gap, > 0, to the next equilibrium, at which max|gradient| is at most ``tolerance``.
 
-        At first contact, from separation, negative curvature may be removed, see the options. A ``known`` gap, this or
-        another, was evaluated last under this load's field: by :meth:`press`, or as a result. The solver may
-        ``overwrite`` both gaps. A solution that ``carries`` its load does so however light the load is, see
-        :mod:`contact_study.numerics.balance`; a prediction need not.
+        At first contact negative curvature may be removed. A ``known`` gap, this or another, was evaluated last under
+        this load's field. The solver may ``overwrite`` both gaps. A solution that ``carries`` its load does so however
+        light the load is, see :mod:`contact_study.numerics.balance`.
         """
         state = self._evaluate_from(known, gap, load)
         trial = known if overwrite and known is not None and known is not gap else np.empty_like(gap)
@@ -195,12 +183,12 @@ class NewtonSolver:
         while outcome is None:
             excess = excess_of(state)
             if excess.balanced and self._rounded * excess.residual > self.options.share_of_tolerance * state.largest:
-                state = self._evaluate(gap, load)
+                state = self.evaluate(gap, load)
                 excess = excess_of(state)
             self.solid.mark("iteration", state.largest)
             if excess.balanced:
                 outcome = Outcome.CONVERGED
-            elif self._is_detaching(gap, state):
+            elif self.is_detaching(gap, state):
                 outcome = Outcome.DETACHED
             elif iteration == max_iterations:
                 outcome = Outcome.ITERATION_LIMIT
@@ -243,10 +231,7 @@ class NewtonSolver:
     def _newton_step(
         self, gap: np.ndarray, state: EnergyAndGradient, damping: float, excess: Excess
     ) -> tuple[float, bool] | None:
-        """Compute a step in ``_linearised.solution``; None where springs leave negative curvature.
-
-        Returns the damping that it used, and whether it was raised for it.
-        """
+        """Compute a step; return its damping and whether it was raised for it, None where springs stall it."""
         # While points jump in, the mean pressure may wait.
         light = excess.load > excess.residual and state.largest < self.options.close
         taken = self._curved_step(state, damping, excess, light)
@@ -299,10 +284,7 @@ class NewtonSolver:
         return min(1.0, max(self.options.damping_growth * damping, self.options.damping_start))
 
     def _shorten_fall(self, gap: np.ndarray, missing: float) -> None:
-        """Shorten the step of separated surfaces until a point touches or carries the whole missing pressure.
-
-        A limit at each point separately would bend the solid.
-        """
+        """Shorten the step of separated surfaces until a point touches or carries the whole missing pressure."""
         step, gap = self.window.inside(self._linearised.solution), self.window.inside(gap)
         closest, lowest = float(gap.min()), float(self.law.repulsive_gap(np.array(-missing)))
         if closest < self.law.equilibrium_distance or closest <= lowest:
@@ -345,8 +327,7 @@ class NewtonSolver:
     def find_negative_curvature(self, curvature: np.ndarray, softening: float = 1.0) -> bool:
         """Return whether conjugate gradients find a direction of negative curvature of K + D⁺ + softening·D⁻.
 
-        The direction is kept for :meth:`leave_saddle`. The right side is random (the same each time) and lies where the
-        law softens, as every unstable mode does. ``softening`` is a factor on the negative part of D = φ''.
+        The right side is random (the same each time) and lies where the law softens, as every unstable mode does.
         """
         random = np.random.default_rng(0).standard_normal(curvature.shape, dtype=np.float32)
         np.multiply(1 + random, np.maximum(-curvature, 0), out=self._right_side)
@@ -360,7 +341,7 @@ class NewtonSolver:
 
     def leave_saddle(self, gap: np.ndarray, load: Load) -> np.ndarray | None:
         """Return a gap of lower energy along the last search direction; None if rounding hides it."""
-        options, energy = self.options, self._evaluate(gap, load).energy
+        options, energy = self.options, self.evaluate(gap, load).energy
         direction = self._linearised.direction
         self.local.hold(self.curvature, direction)
         direction /= np.abs(direction).max()
@@ -369,7 +350,7 @@ class NewtonSolver:
         while length > options.shortest_step * self.law.length:
             for step in (length, -length):
                 self.local.advance(gap, np.float32(step) * direction, options.step_limit, beside)
-                if self._evaluate(beside, load).energy < energy:
+                if self.evaluate(beside, load).energy < energy:
                     return beside
             length *= options.backtracking
         return None
@@ -382,10 +363,7 @@ class NewtonSolver:
     def follow_tangent(
         self, gap: np.ndarray, load: Load, limit: float, steps: int = 1, known: np.ndarray | None = None
     ) -> np.ndarray:
-        """Return the gap after Newton steps, as far as no gap changes by more than the fraction ``limit`` in total.
-
-        ``known`` as for :meth:`solve`.
-        """
+        """Return the gap after Newton steps, as far as no gap changes by more than the fraction ``limit`` in total."""
         start, options = gap, self.options
         for _ in range(steps):
             self._evaluate_from(known, gap, load)

@@ -63,10 +63,7 @@ class ContactLevel:
         return here + self._pairs_below * self.grid.points / grid.points
 
     def start(self, mean_pressure: float, max_iterations: int) -> bool:
-        """Compute a first pressure on coarser levels; return whether it is full contact, hence the solution.
-
-        The coarser levels are made again each time: keeping them would cost a third more memory.
-        """
+        """Compute a first pressure on coarser levels; return whether it is full contact, hence the solution."""
         rows, columns = self.grid.shape
         if rows % 2 or columns % 2 or min(rows, columns) < 2 * COARSEST:
             return self.start_from_full_contact(mean_pressure)
@@ -230,10 +227,7 @@ class ContactLevel:
                 return error, iteration, Outcome.STALLED
 
     def _multiplier(self, displacement: np.ndarray, total: float) -> float:
-        """Return the offset at which a step along the gradient, brought within the bounds, keeps the load.
-
-        At the solution it is that of the points between the bounds; where there are few, those at the bounds decide.
-        """
+        """Return the offset at which a step along the gradient, brought within the bounds, keeps the load."""
         stiffness = self.single.largest
         moved = np.empty(displacement.size)
         heights, pressure = self.heights.reshape(-1), self.pressure.reshape(-1)
@@ -243,8 +237,7 @@ class ContactLevel:
     def _trials(self, displacement: np.ndarray, floor: float) -> Iterator[np.ndarray]:
         """Yield pressures to try, flat, before they are brought within the bounds.
 
-        Steps of conjugate gradients first. They may fail where almost no point is between its bounds; along the
-        projected gradient the energy falls once the step is as short as the solid's longest wave is soft.
+        Steps of conjugate gradients first; along the projected gradient the energy falls once the step is short.
         """
         pressure, heights, contact = self.pressure.reshape(-1), self.heights.reshape(-1), self.contact.reshape(-1)
         residual = self._residual.reshape(-1)
@@ -304,8 +297,7 @@ class ContactLevel:
     def refine(self) -> np.ndarray:
         """Return the pressure for the grid of twice as many points along each side, negative out of contact.
 
-        The gap enters as the tension that would close it over one spacing, and an indentation as the pressure that
-        would have made it, so that the edges of contact and of yielding are between the points.
+        A gap enters as the tension, an indentation as the pressure that makes it: edges are between the points.
         """
         # A wave of two spacings along an axis is √2 less stiff than the one along the diagonal.
         stiffness, indentation, gap = self.single.largest / np.sqrt(2), self.indentation(), self.gap()

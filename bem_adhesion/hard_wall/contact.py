@@ -40,12 +40,10 @@ AT_HARDNESS = 1e-8
 class HardWallContact:
     """One rough surface against an elastic solid, for any number of loads.
 
-    Parameters as for :func:`rough_contact`; heights of minus infinity are points without a surface, see
-    :class:`~bem_adhesion.contacts.free_boundary.FreeBoundaryContact`. Shapes that can be halved converge in half the
-    time. ``tolerance`` is the largest gap inside the contact and penetration outside in units of the rms height, or of
-    ``unit`` (m); for a nearly flat punch with free boundaries of a thousandth of its displacement; under control of
-    the gap or the approach also its largest error. ``hardness`` is the largest pressure (Pa), at which points yield;
-    :class:`~bem_adhesion.contacts.plastic.PlasticContact` keeps the indentation.
+    Parameters as for :func:`rough_contact`; heights of minus infinity are points without a surface. ``tolerance`` is
+    the largest gap inside the contact and penetration outside over the rms height, or over ``unit`` (m), for a nearly
+    flat punch over a thousandth of its displacement; under control of the gap or the approach also its error.
+    ``hardness`` is the largest pressure (Pa); :class:`~bem_adhesion.contacts.plastic.PlasticContact` keeps what yields.
     """
 
     def __init__(
@@ -121,9 +119,8 @@ class HardWallContact:
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the contact at a load, see :meth:`Contact.step`. It is unique: the state only changes the work.
+        """Find the contact at a load, see :meth:`Contact.step`; the state, a pressure (Pa), only changes the work.
 
-        The state is a pressure (Pa); it replaces the coarser grids as the start where its mean is near the target.
         Mean pressures and gaps are not negative. Above the gap of first touch, or at an approach up to zero, there is
         no contact; at a gap of zero the pressure is the least of full contact.
         """
@@ -210,10 +207,9 @@ class HardWallContact:
     def _find_pressure(
         self, state: np.ndarray, excess: Callable[[Solution], float], tolerance: float, first: float, most: float
     ) -> Solution:
-        """Find the state at the pressure at which an excess distance, which falls with the pressure, vanishes.
+        """Find the state at which an excess distance, which falls with the pressure, vanishes within ``tolerance`` (m).
 
-        Within ``tolerance`` (m) it is zero. Where it is positive even at the largest pressure (Pa) the state is that
-        one.
+        Where it is positive even at the largest pressure (Pa) the state is that one.
         """
         latest: tuple[float, Solution] | None = None
 
@@ -256,10 +252,7 @@ class HardWallContact:
         return self._moved(found, lift)
 
     def _moved(self, found: Solution, lift: float) -> Solution:
-        """Move the solid as a whole at a pressure at which every touching point yields.
-
-        Under a whole number of points times the hardness surfaces approach at the same pressure, the solid unchanged.
-        """
+        """Move the solid as a whole, unchanged, at a pressure at which every touching point yields."""
         pressure = found.pressure
         yields = pressure > 0.5 * self.hardness
         away = np.where(yields, pressure - self.hardness, pressure)

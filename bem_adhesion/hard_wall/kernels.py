@@ -153,10 +153,7 @@ def descended(displacement, heights, pressure, stiffness, result):
 
 @kernel
 def judge(displacement, heights, offset, pressure, bound, free):
-    """Mark the points that may move; return the largest violation.
-
-    They are those between the bounds, those at zero that penetrate, and those at the bound with a gap.
-    """
+    """Mark the points that may move: between the bounds, or pushed inwards from one; return the largest violation."""
     worst = 0.0
     for i in range(pressure.size):
         clearance = displacement[i] - heights[i] - offset
@@ -178,9 +175,8 @@ def judge(displacement, heights, offset, pressure, bound, free):
 def balancing_shift(pressure, free, bound, total):
     """Find the shift of the free points with which all points, cut off at the bounds, carry ``total``.
 
-    Returns the shift, the pressure missing by rounding, and the number of points between the bounds. Points that are
-    not free are at a bound. The shift is the zero of a piecewise linear, increasing function, found by Newton's method
-    and bisection.
+    Returns the shift, the pressure missing by rounding, and the number of points between the bounds; other points are
+    at a bound. It is the zero of a piecewise linear, increasing function, by Newton's method and bisection.
     """
     smallest, largest = np.inf, -np.inf
     saturated = 0

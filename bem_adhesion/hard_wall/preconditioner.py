@@ -110,13 +110,7 @@ def _collect(fine, coverage, coarse):
 
 
 class Extension:
-    """Extension of single-precision fields from a contact set to a periodic grid, and its transpose.
-
-    Parameters
-    ----------
-    contact : numpy.ndarray of bool, shape (ny, nx)
-        The contact set, not copied: call :meth:`update` after a change.
-    """
+    """Extension of float32 fields from a contact set, and its transpose; :meth:`update` it when the set changes."""
 
     def __init__(self, contact: np.ndarray):
         self._coverage = [contact]

@@ -95,9 +95,8 @@ class LawKernels:
         """Write the gap after a Newton step, moving each point in the variable in which it is nearly linear.
 
         A point in repulsion moves by ``step`` in its linearised traction φ' + φ''·step, from which the gap follows by
-        :meth:`TractionLaw.repulsive_gap`; another moves in its gap. A point that enters repulsion does so along the
-        tangent at equilibrium, down to a pressure of LANDING times the law's peak. Otherwise one point deep in
-        repulsion would shorten the step of all.
+        :meth:`TractionLaw.repulsive_gap`; another in its gap, into repulsion along the tangent at equilibrium, down to
+        a pressure of LANDING times the law's peak. Otherwise one point deep in repulsion would shorten all steps.
         """
         for here in blocks(gap):
             _advance(self.law, gap[here], step[here], limit, out[here])
@@ -232,7 +231,12 @@ def _advancing(exponent: int) -> Callable[..., None]:
 
     @kernel
     def advance(gap, step, limit, length, landing, out):
-        """Take a Newton step over flat arrays; tractions in units of the prefactor."""
+        """Write the gap after a Newton step, moving each point in the variable in which it is nearly linear.
+
+        A point in repulsion moves by ``step`` in its linearised traction φ' + φ''·step, from which the gap follows by
+        :meth:`TractionLaw.repulsive_gap`; another in its gap, into repulsion along the tangent at equilibrium, down to
+        a pressure of LANDING times the law's peak. Otherwise one point deep in repulsion would shorten all steps.
+        """
         tangent = 6.0 / length
         for i in range(gap.size):
             d = gap[i]

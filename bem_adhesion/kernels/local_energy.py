@@ -22,10 +22,9 @@ class EnergyAndGradient(NamedTuple):
 
 
 class LocalEnergy:
-    """Energy of all points of an interface, its derivatives, and Newton steps in it.
+    """Energy of all points of an interface; a wall needs the largest stiffness of the solid (Pa/m).
 
-    Outside the window no law acts and no step is limited. A wall needs the largest stiffness of the solid (Pa/m).
-    ``springs`` hold every point to a gap: their stiffness (Pa/m), and that gap (m).
+    Outside the window no law acts. ``springs`` hold every point to a gap: stiffness (Pa/m), and that gap (m).
     """
 
     springs: tuple[float | np.ndarray, np.ndarray] | None = None

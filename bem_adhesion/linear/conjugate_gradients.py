@@ -75,10 +75,7 @@ def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer
 
 @kernel
 def _descend(curvature, shift, grid, softening, alpha, direction, solution, residual, buffer):
-    """Step x += α s, r −= α (K + D) s; return Σ r² and the core part of Σ r z.
-
-    The buffer holds K s before, b r after.
-    """
+    """Step x += α s, r −= α (K + D) s, K s → b r in the buffer; return Σ r² and the core part of Σ r z."""
     square = core_product = 0.0
     zero = residual.dtype.type(0)
     one = residual.dtype.type(1)
@@ -112,7 +109,7 @@ class LinearisedContact:
     """Workspace of the linear solver on one grid, for an elastic solid in float32 and the shift c (Pa/m).
 
     ``solution`` is the step x (m), ``direction`` the last search direction: one of negative curvature if the solver
-    stopped on it. Both are in the ``idle`` memory, which is free between two solves once they are used.
+    stopped on it. Both are in the ``idle`` memory, free between two solves.
     """
 
     def __init__(
@@ -141,8 +138,7 @@ class LinearisedContact:
     ) -> LinearResult:
         """Solve (K + D⁺ + softening·D⁻) x = right side until |residual| <= reduction·|right side| (2-norms).
 
-        The right side is −gradient (Pa), D = φ'' the curvature (Pa/m), both in float32. ``softening`` is the fraction
-        of the negative curvature that is kept, between 0 (convex) and 1. ``total`` is the largest |Σ residual| at the
+        The right side is −gradient (Pa), D = φ'' (Pa/m), both in float32. ``total`` is the largest |Σ residual| at the
         end (Pa): the softest mode of a light contact, its mean gap, may be a small part of the 2-norm.
         """
         operator, buffer = self.operator, self.operator.field
@@ -175,15 +171,11 @@ class LinearisedContact:
         return CURVATURE_ROUNDING * (local + elastic + CURVATURE_ROUNDING * self.operator.largest * length)
 
     def mean_stiffness(self, curvature: np.ndarray, held: np.ndarray) -> float:
-        """Return −dp/dū, mean pressure over mean displacement (Pa/m): negative where tension falls with the gap.
+        """Return −dp/dū (Pa/m); zero without a force, infinite where all points are held, NaN at a fold or without end.
 
-        Under a pressure that grows by dp every free point follows its balance, (K + φ'') x = −dp; φ'' is very large
-        where a wall has ``held`` points. Among all x of one mean that hold them, the one in balance has the least
-        energy, so that the error of −dp/dū = <x, (K + φ'') x> / <x>² is the square of the error of x. The solve starts
-        with the rigid displacement of the free points and removes what is out of balance except a constant, which is
-        dp. A spring of the control on the mean takes up a constant, too, and is not included.
-
-        Zero where no force acts, infinite where a wall holds all points, NaN at a fold or without convergence.
+        Under a pressure that grows by dp every free point follows its balance, (K + φ'') x = −dp. Of all x of one mean
+        it has the least energy, so that the error of −dp/dū = <x, (K + φ'') x> / <x>² is the square of that of x. The
+        solve starts with the rigid displacement and removes what is out of balance except a constant, which is dp.
         """
         if held.all():
             return np.inf

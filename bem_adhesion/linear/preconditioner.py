@@ -13,10 +13,7 @@ from contact_study.numerics.multigrid import HALVINGS, SHORT_WAVES, HalvedInvers
 
 
 def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
-    """Return rms slope over rms height, at least the wavenumber of the longest wave (1/m).
-
-    It sets the shift c. It does not change when the same roughness is studied on a larger area.
-    """
+    """Return rms slope over rms height, at least the longest wave's wavenumber (1/m), whatever the size: for c."""
     power = grid.variances(fourier.transform(height))
     lowest = 2 * np.pi / max(grid.size)
     variance = power.sum()

@@ -51,10 +51,9 @@ def _multiply_and_sum(spectrum, factors, has_nyquist_column):
 class PeriodicOperator:
     """A solid repeated with the period of the grid: its maps are factors in Fourier space, one transform pair each.
 
-    Write into :attr:`field`, apply a map, read the result there: no copies. The maps are ``stiffness``, K: displacement
-    (m) to the pressure that holds it (Pa), symmetric and positive; and ``compliance``: pressure to a displacement of
-    zero mean. ``largest`` is the largest eigenvalue of K on this grid; a ``mean_stiffness``, K at q = 0 (Pa/m), adds a
-    spring on the mean displacement.
+    Write into :attr:`field`, apply a map, read the result there. ``stiffness`` is K, displacement (m) to the pressure
+    that holds it (Pa), ``largest`` its largest eigenvalue; ``compliance`` leads to a displacement of zero mean; a
+    ``mean_stiffness``, K at q = 0 (Pa/m), adds a spring on the mean displacement.
     """
 
     def __init__(
@@ -137,10 +136,7 @@ class PeriodicOperator:
         return self._transform.pairs
 
     def equivalent_pairs(self, grid: Grid) -> float:
-        """Return the pairs so far as float64 pairs on ``grid``, whatever the machine.
-
-        A pair in float32 counts one half, a coarser grid in proportion to its points.
-        """
+        """Return the pairs so far as float64 pairs on ``grid``; one in float32 counts half."""
         weight = self._transform.dtype.itemsize / np.dtype(np.float64).itemsize
         return self.pairs * weight * self.grid.points / grid.points
 

@@ -14,15 +14,12 @@ from contact_study.numerics.inner_product import inner_product
 
 @dataclass(frozen=True)
 class Load:
-    """A uniform pressure (Pa), and a field of pressures (Pa), or with a ``unit`` heights in it (m).
-
-    ``energy`` is the part that does not depend on the gap (J/m²).
-    """
+    """A uniform pressure and a field of pressures (Pa), or with a ``unit`` heights in it (m)."""
 
     field: np.ndarray
     unit: float | None = None
     pressure: float = 0.0
-    energy: float = 0.0
+    energy: float = 0.0  # the part that does not depend on the gap (J/m²)
 
     @classmethod
     def of_heights(cls, solid: PeriodicOperator, height: np.ndarray, unit: float) -> "Load":

@@ -86,16 +86,9 @@ def adaptive_step(
 ) -> tuple[Solution, list[EnergyLedger]]:
     """Go from one point of a path to the next in steps for which the work of the load is accounted for.
 
-    Steps are at least ``least`` long, in units of the target. ``noise`` is the work that the solver's tolerance and
-    the law's tail may leave unaccounted for (J/m²).
-
-    Returns
-    -------
-    Solution
-        State at the target, with the work of all steps. If even the least step does not converge, it ends the path: the
-        solution has its fields, and the state of the last step that converged.
-    list of EnergyLedger
-        Ledgers of all states passed, from ``before`` to the last that converged.
+    Steps are at least ``least`` long, in units of the target; ``noise`` is what tolerance and tail may leave (J/m²).
+    Returns the state at the target, with the work of all steps, and the ledgers of all states passed, from ``before``
+    on. If even the least step does not converge it ends the path, with the state of the last step that converged.
     """
     passed, length = [before], FIRST_STEP * (target - before.position)
     earlier = None  # the state at the start of the last step

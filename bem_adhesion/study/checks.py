@@ -74,8 +74,8 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
     """Advise on a process zone (m) that the grid does not resolve.
 
-    A longer range of the same work of adhesion, if the grid resolves it and contacts stay JKR-like; otherwise more
-    points, for the longest such range; otherwise, beyond the memory, a part of the surface or a longer range.
+    A longer range of the same work of adhesion if contacts stay JKR-like, or more points, for the longest such range;
+    beyond the memory a part of the surface or a longer range.
     """
     law, longest = case.law, _longest(case, scale)
     resolved = resolved_length(law, scale.pixel, zone)

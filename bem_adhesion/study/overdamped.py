@@ -71,9 +71,9 @@ class OverdampedContact(AdhesiveContact):
         gap, pressure = self._scaled(state, load)
         stiffness = drag * self._length / modulus
         finest.set_anchor_springs(0.0, gap)
-        now, apart = finest.imbalance_at(gap, pressure)
+        now = finest.evaluate(gap, pressure)
         force = now.largest
-        if apart:
+        if finest.is_detaching(gap, now):
             return Moved(state, self._apart(Outcome.DETACHED, 0, self._count_work()), force)
         least = force * finest.excess_of(now, gap, pressure, self.tolerance).to_balance
         # In full contact nothing remains: the tolerance then.
@@ -101,7 +101,7 @@ class OverdampedContact(AdhesiveContact):
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """Return a gap of lower energy next to a saddle; None at a minimum."""
         gap, pressure = self._scaled(state, load)
-        self.levels.finest.imbalance_at(gap, pressure)
+        self.levels.finest.evaluate(gap, pressure)
         lower = self.levels.leave_saddle(gap, pressure)
         return None if lower is None else lower * self._length
 

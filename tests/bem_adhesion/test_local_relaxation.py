@@ -33,7 +33,7 @@ def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
     bump = 0.05 * np.exp(-(away[0] ** 2 + away[1] ** 2) / 50.0)
     start = np.full(grid.shape, 1.0)  # flat surfaces at the law's equilibrium
     load = Load(-the_law.traction(start) + bump)
-    assert whole.imbalance_at(start, load)[0].largest == pytest.approx(0.05)
+    assert whole.evaluate(start, load).largest == pytest.approx(0.05)
 
     local, out = LocalNewton(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
     assert local.correct(start, whole.solid.field.copy(), load, whole._right_side, out)
@@ -43,7 +43,7 @@ def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
     assert np.abs(out - expected).max() < 2 * CLOSE / 0.05 * changed
     beyond = (away[0] > 44) | (away[1] > 44)  # a square has 64 points, and the bump is in its middle part
     assert not (out != start)[beyond].any()
-    assert whole.imbalance_at(out, load)[0].largest < 1.2 * CLOSE
+    assert whole.evaluate(out, load).largest < 1.2 * CLOSE
     assert 0 < local.solver.equivalent_pairs(grid) < 2  # some ten pairs on a sixteenth of the points
 
 
@@ -55,7 +55,7 @@ def test_the_rim_stays_where_nothing_else_holds_it():
     push = np.zeros(grid.shape)
     push[120:128, 120:128] = 0.02
     load = Load(push - the_law.traction(start))
-    whole.imbalance_at(start, load)
+    whole.evaluate(start, load)
     local, out = LocalNewton(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
     assert local.correct(start, whole.solid.field.copy(), load, whole._right_side, out)
     change = np.abs(out - start)
