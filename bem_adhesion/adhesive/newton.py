@@ -74,7 +74,7 @@ class NewtonSolver:
         return self.solid.equivalent_pairs(grid) + single + local
 
     def set_anchor_springs(self, stiffness: float | np.ndarray, anchor: np.ndarray, stalls: bool = True) -> None:
-        """Hold every point to a gap by springs, or none; with negative curvature a solve ``stalls`` or goes on."""
+        """Hold every point to a gap by springs, or none; where negative curvature remains a solve may stall."""
         self.local.springs = (stiffness, anchor) if np.any(stiffness) else None
         self._stalls = self.local.springs is not None and stalls
 

@@ -75,7 +75,7 @@ def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer
 
 @kernel
 def _descend(curvature, shift, grid, softening, alpha, direction, solution, residual, buffer):
-    """Step x += α s, r −= α (K + D) s, K s → b r in the buffer; return Σ r² and the core part of Σ r z."""
+    """Step x += α s, r −= α (K + D) s; write b r over K s; return Σ r², core part of Σ r z."""
     square = core_product = 0.0
     zero = residual.dtype.type(0)
     one = residual.dtype.type(1)
@@ -171,7 +171,7 @@ class LinearisedContact:
         return CURVATURE_ROUNDING * (local + elastic + CURVATURE_ROUNDING * self.operator.largest * length)
 
     def mean_stiffness(self, curvature: np.ndarray, held: np.ndarray) -> float:
-        """Return −dp/dū (Pa/m); zero without a force, infinite where all points are held, NaN at a fold or without end.
+        """Return −dp/dū (Pa/m): zero without a force, infinite if held everywhere, NaN at a fold.
 
         Under a pressure that grows by dp every free point follows its balance, (K + φ'') x = −dp. Of all x of one mean
         it has the least energy, so that the error of −dp/dū = <x, (K + φ'') x> / <x>² is the square of that of x. The

@@ -6,34 +6,14 @@ from bem_adhesion.hard_wall.contact import HardWallContact
 from contact_study.numerics.grid import Grid
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
+from tests.bem_adhesion.paper_system import SIZE, study_table
 
 CONTACT_MODULUS = 93.7348e9
-SIZE = 1040e-10
 
 
 def self_affine(points, cutoff_mode=12, seed=1):
     """The paper's surface, realised with h_rms = 10 Å, and its grid."""
-    study = make_study(
-        {
-            "study": {"title": "test"},
-            "surface": {
-                "kind": "self_affine",
-                "size": SIZE,
-                "shape": [points, points],
-                "hurst_exponent": 0.8,
-                "rms_height": 1e-9,
-                "low_mode": 1,
-                "roll_off_mode": 3,
-                "cutoff_mode": cutoff_mode,
-                "seed": seed,
-                "normalisation": "realised",
-            },
-            "material": {"youngs_modulus": 77.2e9, "poissons_ratio": 0.42},
-            "interaction": {"law": "hard_wall"},
-            "loading": {"path": [1e9]},
-        }
-    )
-    surface = realise(study.cases[0])
+    surface = realise(make_study(study_table(points, seed, SIZE, surface={"cutoff_mode": cutoff_mode})).cases[0])
     return surface.heights((points, points)), Grid((points, points), (SIZE, SIZE))
 
 

@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
-import contact_study
-from bem_adhesion import HardWall, Layer, LennardJones104, rough_contact
+from bem_adhesion import HardWall, Layer, rough_contact
 from bem_adhesion.hard_wall.contact import HardWallContact
-from contact_study.numerics.grid import Grid
 from contact_study.study.bins import bins_of
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, study_table
@@ -65,7 +62,7 @@ def test_both_controls_have_the_same_states(law, layer):
         assert approach_of(back, height, law, layer) == pytest.approx(target, abs=1e-5 * R0)
 
 
-@pytest.mark.parametrize("pressed", [1e-6, 0.3, 20.0, 3e4])
+@pytest.mark.parametrize("pressed", [1e-6, 20.0, 3e4])
 def test_a_hard_wall_under_flat_and_far_pressed_surfaces(pressed):
     """Flat ones carry δ/c; of rough ones the same from where they are in full contact on, less their height."""
     layer = Layer(E_STAR, 0.2, 0.02 * SIZE)
@@ -117,46 +114,6 @@ def test_before_first_touch_nothing_deforms():
     np.testing.assert_allclose(apart.gap, height.max() - height + 60 * law.length, rtol=1e-6)
 
 
-def test_flat_surfaces_are_held_where_no_tension_holds_them():
-    """p = −σ(d), d = −δ + d_eq + c p: beyond the law's peak stable as long as the layer is the stiffer spring."""
-    law = LennardJones104(0.69, R0)
-    layer = Layer(E_STAR, 0.2, 0.02 * SIZE)
-    spring = 1 / layer.mean_compliance
-    assert spring > law.strongest_softening
-    contact = rough_contact(np.zeros((8, 8)), SIZE, layer, law, "approach")
-    state = contact.separated()
-    for distance in (1.1, 1.4, 2.0):
-        plane = law.equilibrium_distance + (distance - 1) * R0
-        found = contact.step(state, law.equilibrium_distance - plane)
-        state = found.state
-        expected = brentq(
-            lambda gap, plane=plane: spring * (gap - plane) + law.traction(np.array(gap)), R0 / 2, 4 * R0, xtol=1e-20
-        )
-        assert found.converged
-        # The stress of the tolerance over the softest of both springs together.
-        np.testing.assert_allclose(found.gap, expected, atol=1e-6 * R0)
-    assert found.gap[0, 0] > law.peak_distance
-    by_pressure = rough_contact(np.zeros((8, 8)), SIZE, layer, law)
-    assert by_pressure.step(state, float(found.pressure.mean())).gap.mean() != pytest.approx(expected, rel=1e-2)
-
-
-def test_a_sphere_on_a_bed_of_springs():
-    """Approach a²/2R; a thickness of 0.04 contact radii is off by its share along the edge."""
-    points, size, radius, contact_radius = 128, 1.0, 100.0, 0.25
-    axis = Grid((points, points), (size, size)).coordinates[0] - size / 2
-    height = -(axis[:, None] ** 2 + axis**2) / (2 * radius)
-    layer = Layer(1.0, 0.2, 0.01)
-    contact = rough_contact(height, size, layer, HardWall(), "approach")
-    found = contact.step(contact.separated(), contact_radius**2 / (2 * radius))
-    assert found.converged
-    # Second order in thickness over radius, 0.0016.
-    peak = contact_radius**2 / (2 * radius * layer.mean_compliance)
-    assert found.pressure.max() == pytest.approx(peak, rel=2e-3)
-    force = np.pi * contact_radius**4 / (4 * radius * layer.mean_compliance)
-    # First order: the edge is a thickness wide.
-    assert found.pressure.mean() * size**2 == pytest.approx(force, rel=0.04)
-
-
 def table(**sections):
     keys = {
         "material": {"poissons_ratio": 0.3},
@@ -164,24 +121,6 @@ def table(**sections):
         "loading": {"path": ["-3 nm", "1.2 nm", "0.2 nm", "0.1 nm"], "control": "approach"},
     }
     return study_table(32, size=200e-10, **{**keys, "surface": {"rms_height": 2e-10}, **sections})
-
-
-def test_own_steps_keep_the_books():
-    """−∫p d(mean separation) is stored or dissipated, down to the jump and back."""
-    loading = {"path": ["-2 nm", "2 nm", "-2 nm"], "control": "approach", "adaptive": True}
-    found = contact_study.run(table(loading=loading), "continuum").isel(case=0, missing_dims="ignore")
-    assert np.all(found.converged == 1)
-    assert found.dissipated_energy.values[-1] >= 0
-    total = (found.elastic_energy + found.interaction_energy).values
-    passed = [
-        np.stack([found[f"passed_{name}"].values[step] for name in ("pressure", "separation")]) for step in (1, 2)
-    ]
-    pressure, separation = np.concatenate([part[:, np.isfinite(part[0])] for part in passed], axis=1)
-    work = -np.trapezoid(pressure, separation)
-    booked = total[-1] - total[0] + found.dissipated_energy.values[-1] - found.dissipated_energy.values[0]
-    exchanged = np.sum(0.5 * np.abs((pressure[1:] + pressure[:-1]) * np.diff(separation)))
-    # 2 % of each step's exchange is what is not looked at as a jump.
-    assert work == pytest.approx(booked, abs=0.02 * exchanged)
 
 
 def test_the_pressures_of_a_deep_approach_fit_the_bins():

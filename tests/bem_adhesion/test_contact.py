@@ -24,6 +24,7 @@ from bem_adhesion import (
 from contact_study.inputs.units import quantity
 from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, self_affine
+from tests.bem_adhesion.test_contract import KINDS, every_kind
 
 LAW = LennardJones104(work_of_adhesion=0.2, length=3.28e-10)
 HEIGHT = 3e-11 * np.random.default_rng(0).standard_normal((16, 16))
@@ -84,27 +85,7 @@ def test_a_start_inside_the_surface_is_refused(law, words):
         contact.step(HEIGHT - 1e-10, 1e9)
 
 
-CONTACTS = {
-    "wall": lambda: rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, HardWall()),
-    "adhesive": lambda: rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, LAW),
-    "free": lambda: rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, HardWall(), boundary="free"),
-    "plastic": lambda: rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, HardWall(), hardness=2e10),
-    "viscoelastic": lambda: OfOneSecond(Viscoelastic(CONTACT_MODULUS, (1e10,), (1.0,))),
-}
-
-
-class OfOneSecond:
-    """A contact whose steps all take as long."""
-
-    def __init__(self, solid):
-        self._contact = ViscoelasticContact(HEIGHT, 7e-9, solid, LAW)
-        self.separated = self._contact.separated
-
-    def step(self, state, target):
-        return self._contact.step(state, target, 1.0)[0]
-
-
-@pytest.mark.parametrize("kind", CONTACTS)
+@every_kind
 @pytest.mark.parametrize(
     ("state", "target", "message"),
     [
@@ -118,7 +99,7 @@ class OfOneSecond:
     ],
 )
 def test_bad_states_and_targets_are_named(kind, state, target, message):
-    contact = CONTACTS[kind]()
+    contact = KINDS[kind]()
     with pytest.raises(ValueError, match=message):
         contact.step(contact.separated() if isinstance(state, str) and state == "apart" else state, target)
 
@@ -147,11 +128,6 @@ def test_a_solution_has_the_numbers_of_a_dataset_and_compares_by_identity():
         assert max(map(len, lines)) < 120
         assert f"relative contact area {one.relative_contact_area:.4g}, mean gap" in lines[0]
         assert "converged" in lines[1]
-
-
-def test_all_that_is_exported_exists():
-    assert all(hasattr(bem_adhesion, name) for name in bem_adhesion.__all__)
-    assert bem_adhesion.__version__
 
 
 @pytest.mark.parametrize("options", [{}, {"boundary": "free"}])

@@ -101,12 +101,3 @@ def test_egg_box_limits(relative_pressure):
     patch = expected if light else 1 - expected
     perimeter = 2 * np.sqrt(2 * np.pi * patch)  # of two circles in the unit cell
     assert abs(area - expected) < 0.01 * patch + 0.5 / points * perimeter
-
-
-def test_egg_box_closes_at_its_full_contact_pressure():
-    grid = Grid((64, 64), (WAVELENGTH, WAVELENGTH))
-    y, x = (2 * np.pi * coordinate / WAVELENGTH for coordinate in grid.coordinates)
-    height = AMPLITUDE * np.cos(y)[:, None] * np.cos(x)[None, :]
-    full = egg_box_full_contact_pressure(AMPLITUDE, WAVELENGTH, CONTACT_MODULUS)
-    assert np.all(solve(height, grid, CONTACT_MODULUS, full * (1 + 1e-9)).gap == 0)
-    assert np.any(solve(height, grid, CONTACT_MODULUS, full * (1 - 1e-3)).gap > 0)

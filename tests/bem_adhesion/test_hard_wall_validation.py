@@ -31,22 +31,6 @@ def test_paper_surface_has_the_reference_area_and_mean_gap():
     assert np.all(np.abs(mean[:, 1] - REFERENCE_GAP) < 3 * error[:, 1])
 
 
-@pytest.mark.parametrize(("cutoff_mode", "limit"), [(12, 40), (128, 60)])
-def test_work_at_1024(cutoff_mode, limit):
-    """Pairs of transforms from 1 to 99.9 % contact."""
-    height, grid = self_affine(1024, cutoff_mode)
-    contact = HardWallContact(height, grid, CONTACT_MODULUS)
-    full = at(HardWallContact(height, grid, contact.elasticity, "gap"), 0.0).pressure.mean()
-    areas = []
-    for fraction in (0.003, 0.03, 0.12, 0.5, 0.75, 0.95):
-        found = at(contact, fraction * full)
-        assert found.converged
-        assert found.fft_pairs <= limit
-        areas.append(np.mean(found.pressure > 0))
-    assert areas[0] < 0.03
-    assert areas[-1] > 0.999
-
-
 def test_memory_stays_within_eleven_arrays():
     """Numbers in double precision a point, the caller's heights and the returned fields included."""
     height, grid = self_affine(1024)

@@ -37,7 +37,7 @@ def carried(found, load):
     return found.pressure.mean() == pytest.approx(load, rel=SHARE)
 
 
-@pytest.mark.parametrize("load", [1.0, 100.0, 2e3, 30e3])
+@pytest.mark.parametrize("load", [1.0, 2e3])
 @pytest.mark.parametrize("law", EVERY_LAW.values(), ids=EVERY_LAW)
 def test_every_law_carries_a_light_load(law, load):
     contact = rough_contact(heights(5e-9), SIZE, E_STAR, law, max_iterations=100)

@@ -23,14 +23,6 @@ def rough_contact(ratio, points=96, control="pressure", **keywords):
     return AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(ratio), control, **keywords)
 
 
-def test_loading_is_reversible_at_weak_adhesion():
-    loads = [0.5e9, 1e9, 2e9]
-    forth_and_back = path(rough_contact(1.0), loads + loads[-2::-1])
-    for there, back in zip(forth_and_back[:2], forth_and_back[:2:-1], strict=True):
-        # No hysteresis: the same state, to the residual 1e-8 E* over the softest stiffness.
-        np.testing.assert_allclose(there.gap, back.gap, atol=1e-4 * R0)
-
-
 def test_loading_is_hysteretic_at_strong_adhesion():
     there, _, back = path(rough_contact(8.0), [0.2e9, 3e9, 0.2e9])
     assert all(solution.converged for solution in (there, back))
@@ -109,13 +101,6 @@ def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
     assert other.elastic_energy + other.interaction_energy < 2 * uniform
 
 
-def test_a_law_next_to_nothing_ends_within_the_iteration_limit():
-    contact = rough_contact(1e-12, max_iterations=100)
-    for solution in path(contact, [1e7, 0.0, 1e3]):
-        assert solution.converged or solution.outcome is Outcome.ITERATION_LIMIT
-        assert solution.iterations <= 100
-
-
 def test_gap_control_passes_the_largest_tension():
     # Under pressure control the contact would jump apart where tension falls with the gap.
     held = path(rough_contact(8.0, control="gap"), [2e-10, 8e-10, 14e-10, 20e-10, 26e-10, 32e-10])
@@ -166,19 +151,6 @@ def test_a_gap_out_of_reach_is_met_rigidly():
     np.testing.assert_allclose(found.gap + contact.height, (found.gap + contact.height).mean(), atol=1e-5 * R0)
 
 
-def test_tangent_covers_small_changes_only():
-    """A Newton step of a small load lands next to the solution; one that changes a gap by more is not taken."""
-    contact = rough_contact(1.0)
-    solver = contact.levels.finest
-    start = contact.step(contact.separated(), 1e9).gap / contact.law.length
-    load = contact._load(1.001e9 / contact.elasticity.contact_modulus)
-    target = solver.solve(start, load, 1e-10, 50).gap
-    moved = solver.follow_tangent(start, load, 0.1)
-    # A linear solve to a tenth, and curvature: what is left is a small part of the way.
-    assert np.abs(moved - target).max() < 0.3 * np.abs(start - target).max()
-    assert solver.follow_tangent(start, load, 1e-9) is start
-
-
 def test_further_tangent_steps_close_in_within_the_same_limit():
     contact = rough_contact(1.0)
     solver = contact.levels.finest
@@ -188,6 +160,7 @@ def test_further_tangent_steps_close_in_within_the_same_limit():
     one, three = (solver.follow_tangent(start, load, 0.1, steps) for steps in (1, 3))
     # Each linear solve goes to a tenth of the residual.
     assert np.abs(three - target).max() < 0.1 * np.abs(one - target).max()
+    assert solver.follow_tangent(start, load, 1e-9) is start
     # The limit is on the whole way: between the first step's change and the second's there is none after it.
     first = np.abs(one / start - 1).max()
     whole = np.abs(target / start - 1).max()

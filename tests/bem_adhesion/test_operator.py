@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from bem_adhesion.hard_wall.active_set import ContactLevel
 from bem_adhesion.operators.fourier import PeriodicOperator, periodic
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
@@ -31,16 +30,6 @@ def test_cosine_pressure_gives_cosine_displacement(grid, mode):
     assert solid.pairs == 2
 
 
-@pytest.mark.parametrize("grid", GRIDS, ids=lambda grid: f"{grid.shape}")
-def test_stiffness_inverts_compliance_of_any_pressure_without_mean(grid):
-    pressure = 1e9 * np.random.default_rng(0).standard_normal(grid.shape)
-    solid = PeriodicOperator(grid, HalfSpace(E_STAR))
-    solid.field[...] = pressure
-    solid.apply(solid.compliance)
-    assert abs(solid.field.mean()) < 1e-15 * np.abs(solid.field).max()
-    np.testing.assert_allclose(solid.apply(solid.stiffness), pressure - pressure.mean(), atol=1e-13 * 1e9 * 4)
-
-
 def test_mean_displacement_feels_only_the_spring():
     grid = GRIDS[1]
     solid = PeriodicOperator(grid, HalfSpace(E_STAR), mean_stiffness=5e17)
@@ -54,16 +43,6 @@ def test_shifted_compliance_is_the_inverse_of_half_space_and_springs():
     product = solid.inverse_shifted(1e18) * (solid.stiffness * grid.points + 1e18) * grid.points
     np.testing.assert_allclose(product, 1.0, rtol=1e-14)
     assert solid.compliance[0, 0] == 0.0
-
-
-def test_energy_of_a_sinusoidal_displacement():
-    # <u K u>/2 of u0 cos(qx) is E* q u0² / 8.
-    grid = Grid((12, 10), (1e-7, 1e-7))
-    q = 2 * np.pi / 1e-7
-    wave = 2e-10 * np.cos(q * grid.coordinates[1])[None, :] * np.ones((12, 1))
-    solid = PeriodicOperator(grid, HalfSpace(E_STAR))
-    solid.field[...] = wave
-    assert np.mean(wave * solid.apply(solid.stiffness)) / 2 == pytest.approx(E_STAR * q * 4e-20 / 8, rel=1e-13)
 
 
 def test_single_precision_counts_half_and_coarser_grids_by_points():
@@ -93,20 +72,6 @@ def test_largest_stiffness_bounds_every_field_and_is_met_by_one():
     assert solid.apply_and_sum(solid.stiffness) / grid.points == pytest.approx(solid.largest, rel=1e-14)
     assert solid.largest == pytest.approx(np.hypot(8, 12) * np.pi, rel=1e-14)
     assert PeriodicOperator(grid, HalfSpace(2.0), mean_stiffness=99.0).largest == 99.0
-
-
-def test_a_solver_can_be_given_the_operator_of_any_solid():
-    """The maker is all that a solver is given: every grid and precision comes from it, none is made aside."""
-    made = []
-
-    def make(grid, dtype, memory=None):
-        made.append((grid.shape, dtype))
-        return PeriodicOperator(grid, HalfSpace(1.0), dtype)
-
-    heights = np.random.default_rng(3).standard_normal((64, 64))
-    level = ContactLevel(heights, Grid((64, 64), (1.0, 1.0)), make)
-    level.start(1.0, 50)
-    assert made == [(shape, dtype) for shape in ((64, 64), (32, 32)) for dtype in (np.float64, np.float32)]
 
 
 def test_the_operators_of_a_contact_take_turns_in_one_spectrum():

@@ -94,21 +94,6 @@ def test_a_loop_dissipates_what_its_load_worked():
     assert booked == pytest.approx(lost, rel=0.25, abs=2e-3 * 2.76)
 
 
-def test_the_books_do_not_depend_on_the_points_of_the_path():
-    contact = rough()
-    _, few, _ = walked(contact, [2e9, -0.3e9])
-    _, many, _ = walked(contact, [0.2e9, 0.5e9, 1e9, 2e9, 1e9, 0.1e9, -0.3e9])
-    assert few[-1].dissipated == pytest.approx(many[-1].dissipated, rel=0.1)
-    assert few[-1].energy == pytest.approx(many[-1].energy, rel=1e-3)
-
-
-def test_a_smooth_branch_dissipates_nothing():
-    contact = rough(work_of_adhesion=0.1)
-    _, accounts, _ = walked(contact, [1e9, 3e9, 1.5e9])
-    first = accounts[0].dissipated
-    assert accounts[2].dissipated - first < 1e-3 * abs(accounts[1].energy)
-
-
 class Curve:
     """A contact of given pressures and energies along its separation; it converges up to a step and a load.
 
@@ -153,7 +138,7 @@ def lossy(monkeypatch):
     monkeypatch.setattr("bem_adhesion.study.adaptive.UNACCOUNTED", np.inf)  # unaccounted work shortens steps, too
 
 
-@pytest.mark.parametrize("begin", [0.0, 0.3, 0.5, 0.7])
+@pytest.mark.parametrize("begin", [0.0, 0.5])
 @pytest.mark.usefixtures("lossy")
 def test_the_strongest_pull_is_not_passed_over(begin):
     contact = passing()
@@ -167,7 +152,7 @@ def test_the_strongest_pull_is_not_passed_over(begin):
     assert len(passed) < 40
 
 
-@pytest.mark.parametrize("first", [0.6, 0.9, 1.2, 1.7, 2.4])
+@pytest.mark.parametrize("first", [0.6, 1.2, 2.4])
 @pytest.mark.usefixtures("lossy")
 def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, monkeypatch):
     """Where energies say nothing of what is between, as where every step loses a little."""
@@ -330,19 +315,6 @@ def test_a_reversible_path_dissipates_nothing_however_far_it_begins(farthest):
     # What the branches store is exact; the balance lies between two states. A path in steps of 0.01 nm: 0.02002.
     assert float(found.work_of_separation) == pytest.approx(0.02002, rel=5e-3)
     assert float(found["work_of_separation_resolution_error"]) < 0.05 * 0.02
-
-
-def test_flat_surfaces_take_their_work_of_adhesion_in_steps_of_any_length():
-    table = study_table(8, size=5e-9, surface={"rms_height": 1e-15, "roll_off_mode": 1, "cutoff_mode": 3})
-    work = {}
-    for farthest in (2e-9, 10e-9):
-        table["loading"] = {"control": "gap", "adaptive": True, "path": [farthest, -0.01e-9, farthest]}
-        found = contact_study.run(table, "continuum")
-        work[farthest] = float(found.work_of_separation)
-    assert work[2e-9] == pytest.approx(work[10e-9], rel=3e-3)
-    law = contact_study.study.study.make_study(table).cases[0].law
-    # Between the two states beside balance the rule is all there is.
-    assert work[10e-9] == pytest.approx(law.work_of_adhesion, rel=3e-3)
 
 
 def test_surfaces_torn_apart_on_the_way_to_a_point_are_said_to_be():

@@ -87,12 +87,6 @@ def review(points, **sections):
     return run.review(study, study.scales)
 
 
-def test_a_grid_that_cannot_resolve_the_law_is_warned_of():
-    (note,) = review(32)
-    assert "quarter of the process zone" in note
-    assert review(64) == []
-
-
 def test_the_grid_is_warned_of_once_a_study_with_ways_out():
     table = study_table(64, size=500e-10, sweep={"interaction.well_depth_ratio": [1, 4, 8], "surface.seed": [1, 2]})
     study = make_study(table)

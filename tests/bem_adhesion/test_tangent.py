@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import contact_study
-from bem_adhesion import HalfSpace, HardWall, Layer, LennardJones104, Repulsive, rough_contact
-from contact_study.numerics.grid import Grid
+from bem_adhesion import HalfSpace, HardWall, Layer, Repulsive, rough_contact
 from tests.bem_adhesion.paper_system import E_STAR, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW
@@ -65,14 +64,6 @@ def test_hertzs_sphere(control):
     found = contact.step(contact.separated(), 4 * radius**3 / 3 / size**2 if control == "pressure" else radius**2)
     assert contact.stiffness(found) * size**2 == pytest.approx(2 * radius, rel=5e-3)
     assert contact.stiffness(contact.step(contact.separated(), 0.0)) == 0
-
-
-def test_flat_surfaces_are_as_stiff_as_the_law():
-    law = LennardJones104(0.69, 3.28e-10)
-    grid = Grid((8, 8), (4e-9, 4e-9))
-    contact = rough_contact(np.zeros(grid.shape), grid.size, E_STAR, law)
-    found = contact.step(contact.separated(), 1e9)
-    assert contact.stiffness(found) == pytest.approx(law.stiffness(found.gap[0, 0]), rel=1e-5)
 
 
 def test_surfaces_apart_have_none_and_closed_ones_no_end():
