@@ -75,7 +75,7 @@ def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer
 
 @kernel
 def _descend(curvature, shift, grid, softening, alpha, direction, solution, residual, buffer):
-    """Step x += α s, r −= α (K + D) s; write b r over K s; return Σ r², core part of Σ r z."""
+    """Step x += α s, r −= α (K + D) s; return Σ r² and the core part of Σ r z."""
     square = core_product = 0.0
     zero = residual.dtype.type(0)
     one = residual.dtype.type(1)
@@ -87,7 +87,7 @@ def _descend(curvature, shift, grid, softening, alpha, direction, solution, resi
             negative = min(d, zero)
             s = direction[i, j]
             solution[i, j] += alpha * s
-            r = residual[i, j] - alpha * (buffer[i, j] + (positive + softening * negative) * s)
+            r = residual[i, j] - alpha * (buffer[i, j] + (positive + softening * negative) * s)  # of K s
             residual[i, j] = r
             tail = shift / (positive + shift)
             buffer[i, j] = np.sqrt(tail) * r

@@ -35,3 +35,12 @@ def solve(height, grid, elasticity, mean_pressure, **options):
 def at(contact, target, state=None):
     """The contact at a load, from separation unless a state is given."""
     return contact.step(contact.separated() if state is None else state, target)
+
+
+def stepped(contact, targets):
+    """The solutions along a path from separation."""
+    state, found = contact.separated(), []
+    for target in targets:
+        found.append(contact.step(state, target))
+        state = found[-1].state
+    return found

@@ -7,8 +7,9 @@ from bem_adhesion import HardWall, Layer, rough_contact
 from bem_adhesion.hard_wall.contact import HardWallContact
 from contact_study.study.bins import bins_of
 from contact_study.study.study import make_study
-from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, study_table
+from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE
 from tests.bem_adhesion.rough_surfaces import self_affine
+from tests.bem_adhesion.test_studies import on_layer
 from tests.laws_of_all_kinds import EVERY_LAW
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
@@ -114,22 +115,13 @@ def test_before_first_touch_nothing_deforms():
     np.testing.assert_allclose(apart.gap, height.max() - height + 60 * law.length, rtol=1e-6)
 
 
-def table(**sections):
-    keys = {
-        "material": {"poissons_ratio": 0.3},
-        "elasticity": {"kind": "layer", "thickness": "2 nm"},
-        "loading": {"path": ["-3 nm", "1.2 nm", "0.2 nm", "0.1 nm"], "control": "approach"},
-    }
-    return study_table(32, size=200e-10, **{**keys, "surface": {"rms_height": 2e-10}, **sections})
-
-
 def test_the_pressures_of_a_deep_approach_fit_the_bins():
-    study = make_study(table(loading={"path": ["40 nm"], "control": "approach"}, interaction={"law": "hard_wall"}))
+    study = make_study(on_layer(loading={"path": ["40 nm"], "control": "approach"}, interaction={"law": "hard_wall"}))
     (case,) = study.cases
     highest = bins_of(study).pressure_edges[-1]
     assert 40e-9 / case.solid.mean_compliance < highest < 2 * 40e-9 / case.solid.mean_compliance
     hard = make_study(
-        table(
+        on_layer(
             loading={"path": ["40 nm"], "control": "approach"},
             interaction={"law": "hard_wall"},
             material={"poissons_ratio": 0.3, "hardness": "4 GPa"},

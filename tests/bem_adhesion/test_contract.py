@@ -3,7 +3,7 @@
 Equilibrium by code that no solver uses, minima, restart, symmetry, units, the energy balance, both controls, limits.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ from bem_adhesion import (
 )
 from bem_adhesion.study.state import separation_of
 from tests.bem_adhesion.paper_system import E_STAR, R0, law
-from tests.bem_adhesion.rough_surfaces import SIZE, self_affine
+from tests.bem_adhesion.rough_surfaces import SIZE, self_affine, stepped
 from tests.laws_of_all_kinds import EVERY_LAW
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
@@ -55,15 +55,6 @@ KINDS = {
     "viscoelastic": lambda: OfOneSecond(SMALL, Viscoelastic(E_STAR, (1e10,), (1.0,))),
 }
 every_kind = pytest.mark.parametrize("kind", KINDS)
-
-
-def stepped(contact, targets):
-    """The solutions along a path from separation."""
-    state, found = contact.separated(), []
-    for target in targets:
-        found.append(contact.step(state, target))
-        state = found[-1].state
-    return found
 
 
 def elastic_pressure(solid, grid, displacement):
@@ -149,24 +140,8 @@ def test_a_step_follows_from_state_and_target_alone(kind):
     np.testing.assert_array_equal(stepped(contact, [1e9])[0].gap, first.gap)
 
 
-@dataclass
-class Symmetric:
-    """A small problem without symmetry, in any units, and its solution."""
-
-    the_law: object
-    height: np.ndarray = field(default_factory=lambda: _small_heights())
-    size: tuple = (150e-10, 180e-10)
-    modulus: float = E_STAR
-    pressure: float = 2e9
-
-    def solve(self):
-        contact = rough_contact(self.height, self.size, self.modulus, self.the_law)
-        return stepped(contact, [self.pressure])[0]
-
-
-def _small_heights():
-    y, x = np.arange(20) * 2 * np.pi / 20, np.arange(24) * 2 * np.pi / 24
-    return 4e-10 * (np.cos(y)[:, None] + np.cos(2 * x + 1)[None, :] * np.sin(y + 0.5)[:, None])
+def solved(the_law, height, size=(150e-10, 180e-10), modulus=E_STAR, pressure=2e9):
+    return stepped(rough_contact(height, size, modulus, the_law), [pressure])[0]
 
 
 SYMMETRIC = {"wall": HardWall(), "weak": law(1.0), "strong": law(8.0), "outside a wall": EVERY_LAW["exponential"]}
@@ -181,21 +156,20 @@ SYMMETRIC = {"wall": HardWall(), "weak": law(1.0), "strong": law(8.0), "outside 
     offset=st.floats(-1e-8, 1e-8),
 )
 def test_translation_mirror_rotation_offset_and_units_change_nothing_else(the_law, shift, length, stress, offset):
-    problem = Symmetric(the_law)
-    height, expected = problem.height, problem.solve()
+    y, x, size = np.arange(20) * 2 * np.pi / 20, np.arange(24) * 2 * np.pi / 24, (150e-10, 180e-10)
+    height = 4e-10 * (np.cos(y)[:, None] + np.cos(2 * x + 1)[None, :] * np.sin(y + 0.5)[:, None])
+    expected = solved(the_law, height)
     changes = {"length": the_law.length * length, "work_of_adhesion": the_law.work_of_adhesion * length * stress}
     other_law = replace(the_law, **changes) if the_law != HardWall() else the_law
-    units = {"size": tuple(length * side for side in problem.size), "modulus": E_STAR * stress}
-    units |= {"the_law": other_law, "pressure": 2e9 * stress}
+    units = (tuple(length * side for side in size), E_STAR * stress, 2e9 * stress)
     cases = [
-        ({"height": np.roll(height, shift, (0, 1))}, lambda f: np.roll(f, shift, (0, 1)), 1.0, 1.0),
-        ({"height": height[::-1].copy()}, lambda f: f[::-1], 1.0, 1.0),
-        ({"height": np.rot90(height).copy(), "size": problem.size[::-1]}, np.rot90, 1.0, 1.0),
-        ({"height": height + offset}, lambda f: f, 1.0, 1.0),
-        ({"height": height * length, **units}, lambda f: f, length, stress),
+        (solved(the_law, np.roll(height, shift, (0, 1))), lambda f: np.roll(f, shift, (0, 1)), 1.0, 1.0),
+        (solved(the_law, height[::-1].copy()), lambda f: f[::-1], 1.0, 1.0),
+        (solved(the_law, np.rot90(height).copy(), size[::-1]), np.rot90, 1.0, 1.0),
+        (solved(the_law, height + offset), lambda f: f, 1.0, 1.0),
+        (solved(other_law, height * length, *units), lambda f: f, length, stress),
     ]
-    for change, moved, unit, stresses in cases:
-        found = replace(problem, **change).solve()
+    for found, moved, unit, stresses in cases:
         # The state is determined to 1e-8 E* over the softest stiffness, about 1e-3 E*/r0.
         np.testing.assert_allclose(found.gap / unit, moved(expected.gap), atol=1e-4 * R0)
         close = 1e-7 * expected.pressure.max() if the_law == HardWall() else 1e-5 * E_STAR

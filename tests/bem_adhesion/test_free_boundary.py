@@ -5,16 +5,13 @@ import warnings
 
 import numpy as np
 import pytest
-from scipy.integrate import dblquad
 
 import contact_study
 from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones104, Repulsive, rough_contact
 from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
-from contact_study.inputs.errors import InputError
 from contact_study.numerics.grid import Grid
-from contact_study.study.schema.elasticity import ELASTICITIES, LayerSection
 from contact_study.study.study import make_study
-from tests.study.test_study import changed
+from tests.bem_adhesion.test_studies import FREE
 from theory import references as reference
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
@@ -36,20 +33,6 @@ def displacement_by_sums(pressure, grid, modulus):
                     total = total + sign_a * sign_b * (a * np.log(b + r) + b * np.log(a + r))
             result += pressure[i, j] * total / (np.pi * modulus)
     return result
-
-
-def test_a_cells_displacement_is_the_integral_over_its_points():
-    grid = Grid((6, 8), (3.0, 8.0))
-    compliance = FreeHalfSpace(2.0)._compliance(padded_grid(grid))
-    dy, dx = grid.spacing
-    for i, j in ((1, 0), (2, 3), (0, 1)):
-        expected = dblquad(
-            lambda v, u, i=i, j=j: 1 / np.hypot(i * dy - v, j * dx - u), -dx / 2, dx / 2, -dy / 2, dy / 2, epsrel=1e-10
-        )[0] / (2.0 * np.pi)
-        assert compliance[i, j] == pytest.approx(expected, rel=1e-8)
-    # On the cell itself: 4 a ln(1 + √2) on a square of side a (Johnson 1985, eq. 3.26 at its middle).
-    square = FreeHalfSpace(1.0)._compliance(padded_grid(Grid((4, 4), (8.0, 8.0))))
-    assert square[0, 0] == pytest.approx(4 * 2.0 * np.log(1 + np.sqrt(2)) / np.pi, rel=1e-13)
 
 
 @pytest.mark.parametrize("shape", [(8, 8), (5, 12), (7, 9)])
@@ -222,12 +205,7 @@ def test_a_punch_that_is_nearly_flat(rms, hardness):
 
 
 def table(**sections):
-    base = changed("surface", kind="sphere", radius=50e-9, size=20e-9, shape=[32, 32])
-    base["interaction"] = {"law": "exponential", "work_of_adhesion": 0.05, "length": "0.5 nm"}
-    base["material"] = {"youngs_modulus": 1e9, "poissons_ratio": 0.3}
-    base["elasticity"] = {"boundary": "free"}
-    base["loading"] = {"path": ["20 MPa", "-5 MPa"]}
-    return base | sections
+    return {**FREE, "loading": {"path": ["20 MPa", "-5 MPa"]}, **sections}
 
 
 @pytest.mark.parametrize(("boundary", "control", "apart"), [("free", "approach", "-1 nm"), ("periodic", "gap", "9 nm")])
@@ -307,10 +285,3 @@ def test_tension_at_the_rim_is_said():
     # 14 of 124 points.
     words = r"at approach -1\.\d+e-09 m the law pulls at the rim .*, at 11 % of its points .* 1\.1 % of its peak"
     assert re.search(words, str(warning.message)), warning.message
-
-
-def test_the_kinds_that_may_be_free_are_those_that_the_refusal_names():
-    with pytest.raises(InputError) as refusal:
-        LayerSection(kind="layer", boundary="free", thickness=1.0)
-    named = re.search("known of kind = (.*) only", str(refusal.value))[1].replace('"', "").split(" and ")
-    assert named == [kind for kind, section in ELASTICITIES.declared.items() if section.may_be_free]

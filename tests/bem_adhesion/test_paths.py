@@ -15,7 +15,6 @@ from bem_adhesion.study.adaptive import (
     _skips_pull_off,
     _turns_too_sharply,
     adaptive_step,
-    ledger_of,
 )
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
@@ -56,42 +55,6 @@ def rough(work_of_adhesion=2.76, points=64):
     height, grid = self_affine(points)
     law = LennardJones104(work_of_adhesion, R0)
     return rough_contact(0.5 * height[:, :], (grid.size[0] / 4, grid.size[1] / 4), SOLID, law)
-
-
-def walked(contact, targets, resolution=0.01):
-    state, account = start(contact)
-    accounts, pairs = [], 0.0
-    for target in targets:
-        found, (*_, account) = adaptive_step(
-            contact, state, account, target, resolution * max(map(abs, targets)), SOLID
-        )
-        assert found.converged
-        state, pairs = found.state, pairs + found.fft_pairs
-        accounts.append(account)
-    return found, accounts, pairs
-
-
-def test_a_loop_dissipates_what_its_load_worked():
-    """From a state back to it: the work of many small steps of a fixed size has gone, in the jumps that are booked."""
-    contact = rough()
-    targets = [0.5e9, 4e9, 0.5e9, 4e9, 0.5e9]
-    _, accounts, _ = walked(contact, targets, 0.005)
-    booked = accounts[4].dissipated - accounts[2].dissipated
-    state, _ = start(contact)
-    for target in targets[:3]:
-        found = contact.step(state, target)
-        state = found.state
-    work, before = 0.0, ledger_of(found, targets[2], SOLID)
-    closed = before
-    for target in np.concatenate([np.linspace(0.5e9, 4e9, 71)[1:], np.linspace(4e9, 0.5e9, 71)[1:]]):
-        found = contact.step(state, target)
-        state, now = found.state, ledger_of(found, target, SOLID)
-        work -= 0.5 * (before.pressure + now.pressure) * (now.separation - before.separation)
-        before = now
-    lost = work - (before.energy - closed.energy)
-    # Jumps below the share of a step that is left unaccounted for are not booked: here all are within a tenth.
-    assert lost > 0
-    assert booked == pytest.approx(lost, rel=0.25, abs=2e-3 * 2.76)
 
 
 class Curve:

@@ -1,65 +1,23 @@
 """A hard wall with a hardness: the conditions of each step, what stays from step to step, energies, limits, edges."""
 
-import warnings
-
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-import contact_study
 from bem_adhesion import HardWall, rough_contact
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace, Layer
-from contact_study.study.study import make_study
-from tests.bem_adhesion.paper_system import study_table
-from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, random_heights, self_affine
-from tests.bem_adhesion.test_hard_wall import dense_compliance
+from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, random_heights, self_affine, stepped
+from tests.bem_adhesion.test_hard_wall import assert_complementary, dense_compliance
 
 TOLERANCE = 1e-10
+HALF_SPACE = HalfSpace(CONTACT_MODULUS)
 
 
 def plastic(height, grid, hardness, solid=CONTACT_MODULUS, **options):
     options = {"tolerance": TOLERANCE, **options}
     return rough_contact(height, grid.size, solid, HardWall(), hardness=hardness, **options)
-
-
-def walked(contact, targets):
-    """The states along a path from separation."""
-    state, found = contact.separated(), []
-    for target in targets:
-        found.append(contact.step(state, target))
-        state = found[-1].state
-    return found
-
-
-def assert_conditions(found, before, height, grid, hardness, mean_pressure, solid=None):
-    """What a step must fulfil, from pressure, gap and indentation alone, by NumPy's transform in float64."""
-    solid = solid or HalfSpace(CONTACT_MODULUS)
-    pressure, gap, indentation = found.pressure, found.gap, found.plastic_indentation
-    assert found.outcome is Outcome.CONVERGED
-    assert pressure.min() >= 0
-    assert pressure.max() <= hardness * (1 + 1e-14)
-    assert pressure.mean() == pytest.approx(mean_pressure, rel=1e-12)
-    assert gap.min() >= 0
-    assert np.all(gap[pressure > 0] == 0)
-    assert np.all(indentation >= before)
-    assert np.all((indentation == before)[pressure < hardness * (1 - 1e-14)])
-    compliance_q = np.zeros(grid.spectrum_shape)
-    compliance_q.reshape(-1)[1:] = 1 / solid.stiffness_on(grid).reshape(-1)[1:]
-    displacement = np.fft.irfft2(compliance_q * np.fft.rfft2(pressure), grid.shape)
-    surface = height - indentation + gap
-    deviation = displacement - displacement.mean() - (surface - surface.mean())
-    # The solver's tolerance, and once more for the difference of two transforms and of the means.
-    assert np.abs(deviation).max() <= 3 * TOLERANCE * height.std()
-    np.testing.assert_allclose(found.displacement, surface, atol=1e-14 * np.abs(height).max())
-    assert found.elastic_energy == pytest.approx(
-        0.5 * np.mean(pressure * displacement) + solid.compression_energy(mean_pressure),
-        rel=1e-6,
-        abs=1e-14 * mean_pressure * np.ptp(height) * grid.points**0.5,  # rounding of the work that cancels
-    )
-    # Where nothing but the hardness bounds the pressure it is met to rounding.
-    assert found.complementarity_residual <= 1e-14 * hardness / CONTACT_MODULUS
 
 
 @pytest.mark.parametrize(("shape", "share"), [((12, 12), 0.02), ((9, 16), 0.2), ((11, 13), 0.7), ((1, 20), 0.98)])
@@ -72,7 +30,7 @@ def test_equals_bounded_least_squares(shape, share):
     hardness = 0.4 * lsq_linear(factor, target, (0, np.inf), method="bvls").x.max()
     expected = lsq_linear(factor, target, (0, hardness), method="bvls", tol=1e-14).x.reshape(shape)
     assert np.any(expected == hardness)
-    [found] = walked(plastic(height, grid, hardness, 2.0), [expected.mean()])
+    [found] = stepped(plastic(height, grid, hardness, 2.0), [expected.mean()])
     assert found.converged
     # Conditioning of the dense problem (some 1e2) times the solver's tolerance, relative to the largest pressure.
     np.testing.assert_allclose(found.pressure, expected, atol=1e-8 * hardness)
@@ -85,15 +43,15 @@ def test_conditions_hold_on_every_step_of_a_path(shape, exponent):
         hardness = 0.05 * height.std() * CONTACT_MODULUS
         before = np.zeros(shape)
         targets = largest_share * hardness * np.array([0.3, 1.0, 0.1, 0.8, 1.0])
-        for target, found in zip(targets, walked(plastic(height, grid, hardness), targets), strict=True):
-            assert_conditions(found, before, height, grid, hardness, target)
+        for target, found in zip(targets, stepped(plastic(height, grid, hardness), targets), strict=True):
+            assert_complementary(found, height, grid, HALF_SPACE, target, hardness, before)
             before = found.plastic_indentation
 
 
 def test_a_hardness_out_of_reach_changes_no_bit():
     height, grid = self_affine(128)
     elastic = rough_contact(height, SIZE, CONTACT_MODULUS, HardWall())
-    [hard] = walked(rough_contact(height, SIZE, CONTACT_MODULUS, HardWall(), hardness=1e13), [1e9])
+    [hard] = stepped(rough_contact(height, SIZE, CONTACT_MODULUS, HardWall(), hardness=1e13), [1e9])
     found = elastic.step(elastic.separated(), 1e9)
     np.testing.assert_array_equal(hard.pressure, found.pressure)
     np.testing.assert_array_equal(hard.gap, found.gap)
@@ -102,7 +60,7 @@ def test_a_hardness_out_of_reach_changes_no_bit():
     # Below the largest pressure points yield, and the state tends to the elastic one as the hardness rises to it.
     distance = []
     for share in (0.9, 0.99, 0.999):
-        [near] = walked(plastic(height, grid, share * found.pressure.max()), [1e9])
+        [near] = stepped(plastic(height, grid, share * found.pressure.max()), [1e9])
         distance.append(float(np.abs(near.gap - found.gap).max()))
     assert 0 < distance[2] < distance[1] < distance[0]
 
@@ -112,7 +70,7 @@ def test_soft_bodies_yield_on_all_of_their_contact(share):
     """Far below elastic stresses A = p/H, and the load is carried where the surface is highest."""
     height, grid = self_affine(64)
     hardness = 1e-9 * CONTACT_MODULUS
-    [found] = walked(plastic(height, grid, hardness), [share * hardness])
+    [found] = stepped(plastic(height, grid, hardness), [share * hardness])
     assert found.converged
     assert found.iterations <= 10
     assert np.mean(found.pressure > 0) == pytest.approx(share, abs=1.5 / grid.points)
@@ -127,10 +85,8 @@ def test_loads_up_to_the_hardness_close_the_contact():
     contact = plastic(height, grid, 0.1 * CONTACT_MODULUS)
     areas = []
     for share in (0.1, 0.7, 0.9, 0.99, 1 - 1e-6):
-        [found] = walked(contact, [share * 0.1 * CONTACT_MODULUS])
-        assert_conditions(
-            found, np.zeros(grid.shape), height, grid, 0.1 * CONTACT_MODULUS, share * 0.1 * CONTACT_MODULUS
-        )
+        [found] = stepped(contact, [share * 0.1 * CONTACT_MODULUS])
+        assert_complementary(found, height, grid, HALF_SPACE, share * 0.1 * CONTACT_MODULUS, 0.1 * CONTACT_MODULUS)
         assert found.iterations <= 10
         areas.append(np.mean(found.pressure > 0))
     assert areas == sorted(areas)
@@ -142,15 +98,15 @@ def test_a_surface_that_is_flattened_all_over_can_be_loaded_again():
     hardness = 7e-4 * height.std() * CONTACT_MODULUS
     targets = hardness * np.array([0.5, 1 - 2e-6, 0.2, 1 - 2e-6])
     before = np.zeros(grid.shape)
-    for target, found in zip(targets, walked(plastic(height, grid, hardness), targets), strict=True):
-        assert_conditions(found, before, height, grid, hardness, target)
+    for target, found in zip(targets, stepped(plastic(height, grid, hardness), targets), strict=True):
+        assert_complementary(found, height, grid, HALF_SPACE, target, hardness, before)
         before = found.plastic_indentation
 
 
 def test_unloading_is_elastic_and_loading_again_comes_back():
     height, grid = self_affine(64)
     contact = plastic(height, grid, 0.05 * CONTACT_MODULUS)
-    up, down, least, again, beyond = walked(contact, [2e9, 1e9, 1e7, 2e9, 3e9])
+    up, down, least, again, beyond = stepped(contact, [2e9, 1e9, 1e7, 2e9, 3e9])
     for found in (down, least):
         np.testing.assert_array_equal(found.plastic_indentation, up.plastic_indentation)
     # What follows from pressures within 1e-10 of the rms height: the same state, and no further yielding.
@@ -162,13 +118,13 @@ def test_unloading_is_elastic_and_loading_again_comes_back():
     np.testing.assert_allclose(
         elastic.step(elastic.separated(), 1e9).pressure, down.pressure, atol=1e-6 * CONTACT_MODULUS
     )
-    assert np.mean(down.pressure > 0) > 1.5 * np.mean(walked(contact, [1e9])[0].pressure > 0), "yielded points touch"
+    assert np.mean(down.pressure > 0) > 1.5 * np.mean(stepped(contact, [1e9])[0].pressure > 0), "yielded points touch"
 
 
 def test_stiffness_is_that_of_unloading():
     height, grid = self_affine(64)
     contact = plastic(height, grid, 0.05 * CONTACT_MODULUS)
-    up, down = walked(contact, [2e9, 2e9 * (1 - 1e-4)])
+    up, down = stepped(contact, [2e9, 2e9 * (1 - 1e-4)])
     difference = (up.pressure.mean() - down.pressure.mean()) / (down.gap.mean() - up.gap.mean())
     # One-sided difference over a change of load of 1e-4, during which no point of this grid opens.
     assert contact.stiffness(up) == pytest.approx(difference, rel=1e-3)
@@ -182,7 +138,7 @@ def test_a_sphere_with_free_boundaries_is_indented():
     hardness, modulus = 1e9, 1e11
     contact = plastic(height, grid, hardness, modulus, boundary="free", tolerance=1e-8)
     force = 3e-5
-    [found] = walked(contact, [force / 1.6e-13])
+    [found] = stepped(contact, [force / 1.6e-13])
     touching = found.pressure > 0
     assert found.converged
     assert found.pressure.max() <= hardness * (1 + 1e-14)
@@ -195,17 +151,8 @@ def test_a_sphere_with_free_boundaries_is_indented():
     assert np.all(touching[found.plastic_indentation > 0])
     deepest = np.unravel_index(np.argmax(found.plastic_indentation), grid.shape)
     assert max(abs(deepest[0] - 23.5), abs(deepest[1] - 23.5)) < 1
-    [lifted] = walked(contact, [force / 1.6e-13, 1e-3 * force / 1.6e-13])[1:]
+    [lifted] = stepped(contact, [force / 1.6e-13, 1e-3 * force / 1.6e-13])[1:]
     np.testing.assert_array_equal(lifted.plastic_indentation, found.plastic_indentation)
-
-
-def table(loading, **sections):
-    return {
-        **study_table(32, size=500e-10, loading=loading),
-        "interaction": {"law": "hard_wall"},
-        "material": {"youngs_modulus": 77.2e9, "poissons_ratio": 0.42, "hardness": 4e9},
-        **sections,
-    }
 
 
 BODIES = {"layer": (Layer(CONTACT_MODULUS, 0.3, 0.05 * SIZE), "periodic"), "free": (HalfSpace(CONTACT_MODULUS), "free")}
@@ -225,10 +172,10 @@ def test_an_approach_yields_as_its_pressure_does(solid, boundary, hardness):
     height, grid = self_affine(32)
     hardness *= CONTACT_MODULUS
     pressures = hardness * np.array([0.1, 0.4, 0.05, 0.4, 0.9])
-    pressed = walked(plastic(height, grid, hardness, solid, boundary=boundary), pressures)
+    pressed = stepped(plastic(height, grid, hardness, solid, boundary=boundary), pressures)
     approaches = [approach_of(found, height, solid) for found in pressed]
     contact = plastic(height, grid, hardness, solid, boundary=boundary, control="approach")
-    for found, one, target in zip(walked(contact, approaches), pressed, approaches, strict=True):
+    for found, one, target in zip(stepped(contact, approaches), pressed, approaches, strict=True):
         assert found.converged
         assert approach_of(found, height, solid) == pytest.approx(target, abs=3 * TOLERANCE * height.std())
         assert 0 <= found.pressure.min() <= found.pressure.max() <= hardness * (1 + 1e-14)
@@ -243,10 +190,10 @@ def test_an_approach_yields_as_its_pressure_does(solid, boundary, hardness):
 def test_where_the_whole_surface_yields_the_state_says_so(solid, boundary):
     height, grid = self_affine(32)
     hardness = 0.03 * CONTACT_MODULUS
-    nearly = walked(plastic(height, grid, hardness, solid, boundary=boundary), [0.999 * hardness])[0]
+    nearly = stepped(plastic(height, grid, hardness, solid, boundary=boundary), [0.999 * hardness])[0]
     contact = plastic(height, grid, hardness, solid, boundary=boundary, control="approach")
     last = approach_of(nearly, height, solid)
-    held, beyond, lifted, apart = walked(contact, [last, 3 * last, 3 * last - 0.05 * height.std(), last])
+    held, beyond, lifted, apart = stepped(contact, [last, 3 * last, 3 * last - 0.05 * height.std(), last])
     assert held.converged
     assert held.pressure.max() == pytest.approx(hardness, rel=1e-14)
     assert beyond.outcome is Outcome.YIELDED
@@ -265,27 +212,6 @@ def test_where_the_whole_surface_yields_the_state_says_so(solid, boundary):
     assert not apart.pressure.any()
 
 
-@pytest.mark.parametrize(
-    "elasticity", [{"kind": "layer", "thickness": "5 nm"}, {"boundary": "free"}], ids=["layer", "free"]
-)
-def test_a_study_of_approaches_says_where_the_whole_surface_yields(elasticity, tmp_path):
-    study = table({"path": [5e-10, 2e-9, 1e-9, 5e-8], "control": "approach"}, elasticity=elasticity)
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message=".*contact reaches the rim")
-        with pytest.warns(UserWarning, match="1 of 4 steps did not converge"):
-            found = contact_study.run(study, "continuum")
-    assert found.converged.values.tolist() == [1, 1, 1, 0]
-    assert "whole surface yields" in str(found.message.values[3])
-    (case,) = make_study(study).cases
-    peak = case.surface.realise(tmp_path).sampled.max()
-    # What is held is the undeformed surface, of the bodies as they were; at 1 − 1e-9 of the hardness last.
-    np.testing.assert_allclose(peak - found.mean_separation, found.applied_approach, rtol=1e-7)
-    work = found.plastic_work.values
-    assert 0 < work[0] < work[1]
-    assert work[2] == pytest.approx(work[1], rel=1e-9), "unloading yields nothing"
-    assert found.relative_contact_area.values[3] == found.relative_plastic_area.values[3] == 1
-
-
 @pytest.mark.parametrize("control", ["gap", "approach"])
 def test_a_position_is_met_where_every_touching_point_yields(control):
     """A few soft points: the pressure stays at a whole number of them while the surfaces approach."""
@@ -297,15 +223,15 @@ def test_a_position_is_met_where_every_touching_point_yields(control):
     # Midway between the third and the fourth point from above: three touch, next to undeformed.
     level = 0.5 * (highest[0] + highest[1])
     target = float(np.maximum(level - height, 0).mean()) if control == "gap" else highest[-1] - level
-    [found] = walked(contact, [target])
+    [found] = stepped(contact, [target])
     met = found.gap.mean() if control == "gap" else approach_of(found, height, solid)
     assert met == pytest.approx(target, rel=1e-9)
     assert found.pressure.mean() == pytest.approx(3 / 144 * hardness, rel=1e-12)
-    assert_conditions(found, np.zeros(grid.shape), height, grid, hardness, found.pressure.mean(), solid)
+    assert_complementary(found, height, grid, solid, found.pressure.mean(), hardness)
     # Solid and load move by a ten-thousandth of the heights.
     np.testing.assert_allclose(np.sort(found.plastic_indentation, axis=None)[-3:], highest[1:] - level, rtol=1e-2)
     if control == "gap":
-        [near, nearer] = walked(contact, [target, 0.999 * target])
+        [near, nearer] = stepped(contact, [target, 0.999 * target])
         assert np.all((nearer.plastic_indentation > near.plastic_indentation) == (near.pressure == hardness))
 
 

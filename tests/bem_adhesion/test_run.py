@@ -203,24 +203,14 @@ def layer(thickness, ratio=0.42):
 
 @pytest.mark.parametrize("sections", [{}, HARD_WALL])
 def test_layers_are_run_and_their_compression_parts_gap_and_separation(sections):
-    loading = {"path": [2e9, 2.02e9]}
-    thin, surface = problem(48, **layer(50e-10), **sections, loading=loading)
-    thick, _ = problem(48, **layer(500e-10), **sections, loading=loading)
-    plain, _ = problem(48, **sections, loading=loading)
-    cases = {"thin": thin, "thick": thick, "plain": plain}
-    steps = {name: recorded_path(case, run.solve_path(case, surface)) for name, case in cases.items()}
-    half_space = steps["plain"][0].values
-    one, two = (step.values for step in steps["thin"])
+    case, surface = problem(48, **layer(50e-10), **sections, loading={"path": [2e9, 2.02e9]})
+    one, two = (step.values for step in recorded_path(case, run.solve_path(case, surface)))
     compression = (1 + 0.42) * (1 - 2 * 0.42) / ((1 - 0.42) * 77.2e9) * 50e-10
     assert one["mean_gap"] - one["mean_separation"] == pytest.approx(compression * one["mean_pressure"], rel=1e-9)
     energy = [values["elastic_energy"] + values["interaction_energy"] for values in (one, two)]
-    moved = two["mean_separation"] - one["mean_separation"]
     # The mean of both pressures to second order in their difference, 1 %.
+    moved = two["mean_separation"] - one["mean_separation"]
     assert (energy[1] - energy[0]) / moved == pytest.approx(-2.01e9, rel=1e-3)
-    assert half_space["mean_gap"] == half_space["mean_separation"]
-    near = steps["thick"][0].values
-    assert near["mean_gap"] == pytest.approx(half_space["mean_gap"], rel=1e-3)
-    assert one["relative_contact_area"] < 0.9 * near["relative_contact_area"]
 
 
 def coated(thickness, base):

@@ -8,8 +8,8 @@ from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.study.viscoelastic import TimeState, follow_in_time
 from contact_study.physics.solids import Viscoelastic
-from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import SIZE, self_affine
+from tests.bem_adhesion.test_studies import viscoelastic
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 
@@ -161,28 +161,17 @@ def test_surfaces_torn_apart_relax_and_come_together_again():
     assert np.all(again.gap > 0)
 
 
-def table(loading, **sections):
-    elasticity = {"kind": "viscoelastic", "branch_youngs_moduli": [5e9, "3 GPa"], "relaxation_times": ["1 s", 0.1]}
-    return {
-        **study_table(32, size=500e-10, loading=loading),
-        "interaction": {"law": "hard_wall"},
-        "material": {"youngs_modulus": 1e9, "poissons_ratio": 0.5},
-        "elasticity": elasticity,
-        **sections,
-    }
-
-
 def test_the_pull_off_of_a_path_in_time_lies_between_its_points():
     """Of the steps of time, not of the points alone: under a load the bracket, under a gap the lowest passed."""
     sticky = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 1e-9}
-    torn = table({"path": [2e7, -4e7], "duration": 1.0, "time_steps": 12}, interaction=sticky)
+    torn = viscoelastic(loading={"path": [2e7, -4e7], "duration": 1.0, "time_steps": 12}, interaction=sticky)
     found = contact_study.run(torn, "continuum")
     assert found.detached.values.tolist() == [0, 1]
     held, off = float(found.pull_off_pressure), float(found.pull_off_pressure_resolution_error)
     assert -4e7 < held - off < held < 0
     assert off == pytest.approx(6e7 / 12)  # a step of the load
     loading = {"path": [1e-9, 12e-9], "control": "gap", "duration": 1.0, "time_steps": 12}
-    found = contact_study.run(table(loading, interaction=sticky), "continuum")
+    found = contact_study.run(viscoelastic(loading=loading, interaction=sticky), "continuum")
     passed = found.passed_pressure.values
     assert passed.shape == (2, 12)
     np.testing.assert_allclose(passed[:, -1], found.mean_pressure, rtol=1e-12)
