@@ -86,6 +86,7 @@ def test_a_start_inside_the_surface_is_refused(law, words):
 
 
 @every_kind
+@pytest.mark.filterwarnings("ignore:grid too coarse")
 @pytest.mark.parametrize(
     ("state", "target", "message"),
     [

@@ -11,6 +11,7 @@ from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones104, Repuls
 from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
 from contact_study.numerics.grid import Grid
 from contact_study.study.study import make_study
+from tests.bem_adhesion.rough_surfaces import stepped
 from tests.bem_adhesion.test_studies import FREE
 from theory import references as reference
 
@@ -67,10 +68,8 @@ def test_states_satisfy_the_equations_of_a_free_half_space(law, control):
     y, x = grid.coordinates
     height = 0.1 * rng.standard_normal(grid.shape) - 0.5 * ((y[:, None] - 0.4) ** 2 + (x[None, :] - 0.7) ** 2) + 3.0
     contact = rough_contact(height, grid.size, 1.0, law, control, boundary="free")
-    state = contact.separated()
-    for load in (0.02, 0.3, 0.08) if control == "pressure" else (0.02, 0.3, 0.05):
-        found = contact.step(state, load)
-        state = found.state
+    loads = (0.02, 0.3, 0.08 if control == "pressure" else 0.05)
+    for load, found in zip(loads, stepped(contact, loads), strict=True):
         assert found.converged
         assert found.gap.shape == found.pressure.shape == grid.shape
         surface = found.plane + displacement_by_sums(found.pressure, grid, 1.0)
@@ -101,10 +100,8 @@ def test_an_approach_is_met_within_the_tolerance(seed):
     law, tolerance = LennardJones104(2e-4, 0.02), 1e-5
     height = 0.02 * rng.standard_normal((24, 24))
     contact = rough_contact(height, 1.0, 1.0, law, "approach", boundary="free", tolerance=tolerance)
-    state = contact.separated()
-    for target in (0.0, 0.02, 0.04, 0.01):
-        found = contact.step(state, target)
-        state = found.state
+    targets = (0.0, 0.02, 0.04, 0.01)
+    for target, found in zip(targets, stepped(contact, targets), strict=True):
         assert found.converged
         met = height.max() + law.equilibrium_distance - found.plane
         assert met == pytest.approx(target, abs=tolerance * law.length)

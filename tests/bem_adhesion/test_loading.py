@@ -7,15 +7,7 @@ from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws.lennard_jones import LennardJones93, LennardJones104
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, surface
-
-
-def path(contact, targets):
-    displacement = contact.separated()
-    solutions = []
-    for target in targets:
-        solutions.append(contact.step(displacement, target))
-        displacement = solutions[-1].displacement
-    return solutions
+from tests.bem_adhesion.rough_surfaces import stepped
 
 
 def rough_contact(ratio, points=96, control="pressure", **keywords):
@@ -24,14 +16,14 @@ def rough_contact(ratio, points=96, control="pressure", **keywords):
 
 
 def test_loading_is_hysteretic_at_strong_adhesion():
-    there, _, back = path(rough_contact(8.0), [0.2e9, 3e9, 0.2e9])
+    there, _, back = stepped(rough_contact(8.0), [0.2e9, 3e9, 0.2e9])
     assert all(solution.converged for solution in (there, back))
     assert relative_contact_area(back.gap) > relative_contact_area(there.gap) + 0.05
     assert back.gap.mean() < there.gap.mean()
 
 
 def test_tension_ends_in_detachment_and_contact_can_be_made_again():
-    first, pulled, apart, still_apart, again = path(rough_contact(8.0), [1e9, -0.5e9, -12e9, -1e9, 1e9])
+    first, pulled, apart, still_apart, again = stepped(rough_contact(8.0), [1e9, -0.5e9, -12e9, -1e9, 1e9])
     assert pulled.converged
     assert pulled.pressure.mean() == pytest.approx(-0.5e9, abs=1e-8 * E_STAR)
     for solution, outcome in ((apart, Outcome.DETACHED), (still_apart, Outcome.APART)):
@@ -45,7 +37,7 @@ def test_tension_ends_in_detachment_and_contact_can_be_made_again():
 
 @pytest.mark.parametrize("target", [-5e6, 0.0])
 def test_without_pressure_separated_surfaces_stay_apart(target):
-    solution = path(rough_contact(8.0), [target])[0]
+    solution = stepped(rough_contact(8.0), [target])[0]
     assert solution.outcome is Outcome.APART
     assert "start the loading path with a positive pressure" in solution.message
 
@@ -72,13 +64,13 @@ def sphere(control, mean_gap_offset=0.0):
 def test_a_first_gap_from_separation_is_on_the_separated_branch():
     contact = sphere("gap")
     gaps = np.arange(10e-9, 5e-9, -0.25e-9)
-    approached = path(contact, gaps)
+    approached = stepped(contact, gaps)
     areas = np.array([np.mean(solution.gap < R0 * 2 ** (1 / 6)) for solution in approached])
     snap_in = int(np.argmax(areas > 0))
     retracted = contact.step(approached[snap_in].displacement, gaps[snap_in - 1])
     # Just before the snap-in there are two states; the far one is what separation leads to, alone or on a path.
     assert np.mean(retracted.gap < R0 * 2 ** (1 / 6)) > 0
-    alone = path(contact, [gaps[snap_in - 1]])[0]
+    alone = stepped(contact, [gaps[snap_in - 1]])[0]
     assert np.mean(alone.gap < R0 * 2 ** (1 / 6)) == areas[snap_in - 1] == 0
     # Residuals of 1e-8 E* over the softest stiffness.
     np.testing.assert_allclose(alone.gap, approached[snap_in - 1].gap, atol=1e-4 * R0)
@@ -88,7 +80,7 @@ def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
     # Held 3 Å above equilibrium, where the law softens, the uniform state is an equilibrium but no minimum.
     grid = Grid((32, 32), (520e-10, 520e-10))
     contact = AdhesiveContact(np.zeros(grid.shape), grid, E_STAR, law(8.0), "gap")
-    solution = path(contact, [3e-10])[0]
+    solution = stepped(contact, [3e-10])[0]
     assert solution.outcome is Outcome.CONVERGED
     uniform = float(contact.law.potential(np.array(R0 + 3e-10)))
     assert solution.elastic_energy + solution.interaction_energy < 2 * uniform < 0
@@ -97,13 +89,13 @@ def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
     rippled = AdhesiveContact(
         1e-13 * np.cos(np.arange(32) * np.pi / 16) * np.ones((32, 1)), grid, E_STAR, law(8.0), "gap"
     )
-    other = path(rippled, [3e-10])[0]
+    other = stepped(rippled, [3e-10])[0]
     assert other.elastic_energy + other.interaction_energy < 2 * uniform
 
 
 def test_gap_control_passes_the_largest_tension():
     # Under pressure control the contact would jump apart where tension falls with the gap.
-    held = path(rough_contact(8.0, control="gap"), [2e-10, 8e-10, 14e-10, 20e-10, 26e-10, 32e-10])
+    held = stepped(rough_contact(8.0, control="gap"), [2e-10, 8e-10, 14e-10, 20e-10, 26e-10, 32e-10])
     pressures = [solution.pressure.mean() for solution in held]
     assert all(solution.outcome is Outcome.CONVERGED for solution in held)
     lowest = int(np.argmin(pressures))
