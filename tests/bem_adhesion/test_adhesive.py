@@ -37,7 +37,7 @@ def scaled_problem(points, ratio, seed=1, size=SIZE, pressure=1e9):
     return grid, law(ratio).scaled(R0, E_STAR), load, height.max() + 1 - height
 
 
-def test_gradient_is_that_of_the_energy_to_second_order():
+def test_gradient_is_that_of_the_energy_to_second_order(monkeypatch):
     grid, the_law, load, gap = scaled_problem(26, 4.0)
     stiffness_q = UNIT.stiffness_on(grid)
     direction = np.random.default_rng(0).standard_normal(gap.shape)
@@ -57,6 +57,15 @@ def test_gradient_is_that_of_the_energy_to_second_order():
     assert state.square == pytest.approx(np.sum(gradient**2), rel=1e-12)
     assert state.total == pytest.approx(gradient.sum(), rel=1e-10)
     np.testing.assert_allclose(solver._right_side, -gradient, atol=1e-6 * np.abs(gradient).max())
+    # As heights in another unit the load is K h and its energy is that of the field, block by block.
+    monkeypatch.setattr("bem_adhesion.kernels.law.BLOCK", 100)
+    height = 4 * np.random.default_rng(1).standard_normal(gap.shape)
+    flattening = irfft2(stiffness_q * rfft2(height / 4), s=gap.shape)
+    heights = Load.of_heights(solver.solid, height, 0.25)
+    by_heights, by_field = solver.evaluate(gap, heights), solver.evaluate(gap, Load(flattening))
+    assert heights.energy == pytest.approx(-0.5 * 0.25 * np.vdot(flattening, height), rel=1e-12)
+    for one, other in zip(by_heights, by_field, strict=True):
+        assert one == pytest.approx(other, rel=1e-10)
 
 
 @pytest.mark.parametrize("shape", [(24, 24), (15, 18)])

@@ -43,12 +43,6 @@ LAYER = {
     "loading": {"path": ["-3 nm", "1.2 nm", "0.2 nm", "0.1 nm"], "control": "approach"},
 }
 TIMES = {"kind": "viscoelastic", "branch_youngs_moduli": [5e9, "3 GPa"], "relaxation_times": ["1 s", 0.1]}
-PLASTIC = {
-    "interaction": HARD_WALL,
-    "material": {"hardness": 4e9},
-    "loading": {"path": [5e8, 2e9, 1e9, 5e8, 2e9]},
-    "output": {"stiffness": True},
-}
 
 
 def on_layer(**sections):
@@ -60,23 +54,30 @@ def adaptive(control, path):
     return study_table(48, size=150e-10, surface={"rms_height": 4e-10}, loading=loading)
 
 
+def viscoelastic(**sections):
+    table = study_table(32, size=500e-10, interaction=HARD_WALL, loading={"path": [1e7], "duration": 1.0})
+    return {**table, "material": {"youngs_modulus": 1e9, "poissons_ratio": 0.5}, "elasticity": TIMES, **sections}
+
+
+def plastic(**sections):
+    table = study_table(32, size=500e-10, interaction=HARD_WALL, loading={"path": [1e9]}, material={"hardness": 4e9})
+    return {**table, **sections}
+
+
+def free(**sections):
+    return {**FREE, "loading": {"path": ["20 MPa"]}, **sections}
+
+
 STUDIES = {
     "adhesive": study_table(32, size=500e-10, loading={"path": [0.5e9, 2e9, 0.5e9]}, output={"fields": True}),
     "wall": study_table(32, size=500e-10, interaction=HARD_WALL, loading={"path": [0.5e9, 2e9, 0.5e9]}),
     "approach": on_layer(),
     "approach to a wall": on_layer(interaction=HARD_WALL),
-    "free": {**FREE, "loading": {"path": ["20 MPa", "-5 MPa"]}},
-    "free approach": {**FREE, "loading": {"path": ["-2 nm", "0.5 nm", "-0.2 nm"], "control": "approach"}},
+    "free": free(loading={"path": ["20 MPa", "-5 MPa"]}),
+    "free approach": free(loading={"path": ["-2 nm", "0.5 nm", "-0.2 nm"], "control": "approach"}),
     "adaptive gap": adaptive("gap", [4e-10, 5e-11, 3e-10]),
-    "plastic": study_table(32, size=500e-10, **PLASTIC),
-    "in time": study_table(
-        32,
-        size=500e-10,
-        interaction=HARD_WALL,
-        material={"youngs_modulus": 1e9, "poissons_ratio": 0.5},
-        elasticity=TIMES,
-        loading={"path": [1e7, 4e7, 4e7, 1e7], "duration": 0.5, "time_steps": 3},
-    ),
+    "plastic": plastic(loading={"path": [5e8, 2e9, 1e9, 5e8, 2e9]}, output={"stiffness": True}),
+    "in time": viscoelastic(loading={"path": [1e7, 4e7, 4e7, 1e7], "duration": 0.5, "time_steps": 3}),
 }
 
 
@@ -198,20 +199,6 @@ def test_adaptive_steps_dissipate_pull_off_and_keep_the_states_they_pass(tmp_pat
     np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
 
 
-def viscoelastic(**sections):
-    table = study_table(32, size=500e-10, interaction=HARD_WALL, loading={"path": [1e7], "duration": 1.0})
-    return {**table, "material": {"youngs_modulus": 1e9, "poissons_ratio": 0.5}, "elasticity": TIMES, **sections}
-
-
-def plastic(**sections):
-    table = study_table(32, size=500e-10, interaction=HARD_WALL, loading={"path": [1e9]}, material={"hardness": 4e9})
-    return {**table, **sections}
-
-
-def free(**sections):
-    return {**FREE, "loading": {"path": ["20 MPa"]}, **sections}
-
-
 def overdamped(**sections):
     return study_table(32, size=80e-10, **{"solver": {"path": "overdamped"}, **sections})
 
@@ -245,17 +232,7 @@ REFUSED = [
     ),
     (on_layer(elasticity={"kind": "half_space", "thickness": None}), '"half_space" by no finite distance'),
     (on_layer(**HALF), '"layer" not at all, being incompressible.*"pressure" or "gap"'),
-    (
-        on_layer(
-            elasticity={
-                "kind": "layered",
-                "thickness": "2 nm",
-                "base_youngs_modulus": "1 GPa",
-                "base_poissons_ratio": 0.3,
-            }
-        ),
-        '"layered" by no finite',
-    ),
+    (on_layer(elasticity={"kind": "layered", **SOLIDS["layered"][0]}), '"layered" by no finite'),
     (overdamped(loading={"control": "gap", "path": [1e-10]}), 'loading.control = "gap".*solver.path'),
     (overdamped(elasticity={"boundary": "free"}), 'elasticity.boundary = "free".*periodic'),
     (overdamped(loading={"path": [1e9], "adaptive": True}), "loading.adaptive = true.*overdamped"),
