@@ -9,6 +9,7 @@ import json
 import math
 import os
 import sys
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -95,29 +96,24 @@ class RealTransform:
 
         fftw = _fftw().FFTW
 
-        def plans(*flags: str) -> tuple[Any, Any]:
-            forward = fftw(self.field, self.spectrum, (-2, -1), "FFTW_FORWARD", flags, threads)
-            flags = (*flags, "FFTW_DESTROY_INPUT")
+        def plan() -> tuple[Any, Any]:
+            flags = ("FFTW_MEASURE", "FFTW_DESTROY_INPUT")
+            forward = fftw(self.field, self.spectrum, (-2, -1), "FFTW_FORWARD", flags[:1], threads)
             return forward, fftw(self.spectrum, self.field, (-2, -1), "FFTW_BACKWARD", flags, threads)
 
         key = (self.shape, self.dtype, threads)
         path = cache_folder() / "fftw-wisdom.txt"
-        try:
+        with suppress(OSError):  # of a read-only home
             path.parent.mkdir(parents=True, exist_ok=True)
-            if key in _planned:  # the exact plan is in memory: no need to read the file again
-                self._forward, self._backward = plans("FFTW_MEASURE", "FFTW_WISDOM_ONLY")
-            elif not has_locks(path.parent):
-                raise OSError(f"{path.parent}: its file system has no locks")
-            else:
+            if key not in _planned and has_locks(path.parent):
                 with FileLock(path.with_suffix(".lock")):
                     _load_wisdom(path)
-                    self._forward, self._backward = plans("FFTW_MEASURE")
+                    plan()
                     # Saved even when nothing had to be measured: a plan put together from the wisdom of other shapes
                     # must be the plan of every later process too, whatever it has planned before.
                     _save_wisdom(path)
                 _planned.add(key)
-        except OSError:  # a read-only home, or one without locks: plan without keeping
-            self._forward, self._backward = plans("FFTW_MEASURE")
+        self._forward, self._backward = plan()  # from the wisdom, if it could be kept
         self.field[...] = 0  # measuring overwrites the buffers
         self.spectrum[...] = 0
 

@@ -90,9 +90,8 @@ class Elasticity(ABC):
 
     def softest_modulus(self, longest: float, shortest: float) -> float:
         """The least E*(q) = 2 K(q)/q of waves between two lengths (m), that of a homogeneous half-space (Pa)."""
-        count = 2 + math.ceil(
-            8 * math.log2(max(longest / shortest, 1.0))
-        )  # solids change over an octave at the earliest
+        octaves = math.log2(max(longest / shortest, 1.0))
+        count = 2 + math.ceil(8 * octaves)  # solids change over an octave at the earliest
         q = np.geomspace(2 * np.pi / longest, 2 * np.pi / shortest, count)
         return float(np.min(contact_modulus_of(self.stiffness(q), q)))
 

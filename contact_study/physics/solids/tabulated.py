@@ -46,7 +46,7 @@ class Measured(Elasticity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        q, stiffness = (np.asarray(values, dtype=float) for values in (self.wavenumbers, self.stiffnesses))
+        q, stiffness = self._table
         if q.ndim != 1 or q.shape != stiffness.shape or q.size < 2:
             raise ValueError("needs at least two wavenumbers, and as many stiffnesses")
         if not (np.all(np.isfinite(q)) and q[0] > 0 and np.all(np.diff(q) > 0)):
@@ -54,23 +54,25 @@ class Measured(Elasticity):
         if not (np.all(np.isfinite(stiffness)) and np.all(stiffness > 0)):
             raise ValueError("must have positive stiffnesses")
 
+    @property
+    def _table(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.asarray(self.wavenumbers, dtype=float), np.asarray(self.stiffnesses, dtype=float)
+
     @cached_property
     def _modulus(self) -> "PchipInterpolator":
         from scipy.interpolate import PchipInterpolator  # slow to import
 
-        q = np.asarray(self.wavenumbers, dtype=float)
-        return PchipInterpolator(np.log(q), contact_modulus_of(np.asarray(self.stiffnesses, dtype=float), q))
+        q, stiffness = self._table
+        return PchipInterpolator(np.log(q), contact_modulus_of(stiffness, q))
 
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
         q = np.asarray(wavenumber, dtype=float)
         return 0.5 * q * self._modulus(np.log(np.clip(q, self.wavenumbers[0], self.wavenumbers[-1])))
 
     def scaled(self, length: float, stress: float) -> Self:
-        return replace(
-            super().scaled(length, stress),
-            wavenumbers=np.asarray(self.wavenumbers) * length,
-            stiffnesses=np.asarray(self.stiffnesses) * (length / stress),
-        )
+        q, stiffness = self._table
+        scaled = super().scaled(length, stress)
+        return replace(scaled, wavenumbers=q * length, stiffnesses=stiffness * (length / stress))
 
 
 @dataclass(frozen=True, eq=False)
