@@ -49,6 +49,7 @@ def test_every_solid_and_law_of_a_study_is_at_hand_from_python():
     "module",
     [
         "bem_adhesion.contacts.rough_contact",
+        "contact_study.physics.roughness.spectrum",
         "md_reference.solution",
         "bem_adhesion.contacts.viscoelastic",
         "bem_adhesion.solution",

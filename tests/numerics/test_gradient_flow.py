@@ -54,32 +54,24 @@ def moments(system, start, target, pace):
     return list(follow(system, at_rest(np.array(start), 0.0, pace), target, pace))
 
 
-def test_spring_relaxes_in_its_own_time():
+def test_spring_relaxes_in_its_own_time_and_no_step_errs_by_more_than_is_allowed():
     """u = (F/k)(1 − e^(−kt)) under a load that is there at once; errors fall with the root of the one allowed."""
     errors = []
     for allowed in (4e-3, 1e-3):
-        pace = replace(PACE, rate=1e9, allowed=allowed)
-        found = moments(spring(), [0.0], -3.0, pace)
-        time = np.cumsum([each.duration for each in found])
-        exact = 1.5 * (1 - np.exp(-2.0 * time))
-        errors.append(np.max(np.abs([each.state[0] for each in found] - exact)))
+        found = moments(spring(), [0.0], -3.0, replace(PACE, rate=1e9, allowed=allowed))
+        states, duration = (
+            np.array(part) for part in ([each.state[0] for each in found], [each.duration for each in found])
+        )
+        errors.append(np.max(np.abs(states - 1.5 * (1 - np.exp(-2.0 * np.cumsum(duration))))))
         assert found[-1].fate is Status.AT_REST
-        assert found[-1].state[0] == pytest.approx(1.5, abs=1e-6)
+        assert states[-1] == pytest.approx(1.5, abs=1e-6)
+        own = np.abs(states - 1.5 - (np.append(0.0, states[:-1]) - 1.5) * np.exp(-2.0 * duration)) / allowed
+        # The estimate is the leading term; steps of 0.03/k and more know it to some ten per cent.
+        assert np.max(own) < 1.2
+    assert np.sum(own > 0.5) > len(found) / 2
     # First order in the step, whose square the local error is.
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.3)
     assert errors[1] < 0.05
-
-
-def test_every_step_errs_by_what_is_allowed_and_not_by_more():
-    pace = replace(PACE, rate=1e9)
-    found = moments(spring(), [0.0], -3.0, pace)
-    before = np.array([0.0] + [each.state[0] for each in found[:-1]])
-    duration = np.array([each.duration for each in found])
-    exact = 1.5 + (before - 1.5) * np.exp(-2.0 * duration)
-    errors = np.abs(np.array([each.state[0] for each in found]) - exact) / pace.allowed
-    # The estimate is the leading term; steps of 0.03/k and more know it to some ten per cent.
-    assert np.max(errors) < 1.2
-    assert np.sum(errors > 0.5) > len(found) / 2
 
 
 @pytest.mark.parametrize(("allowed", "tries"), [(0.76, 1), (0.74, 2)])
@@ -97,22 +89,14 @@ def test_error_of_a_step_of_another_length_than_the_one_before(allowed, tries):
     assert len(system.calls) == tries
 
 
-def test_no_rest_before_the_load_is_there():
-    found = moments(spring(tolerance=1.0), [0.0], -0.5, replace(PACE, rate=0.1))
-    assert len(found) > 5
-    assert found[-1].load == -0.5
-
-
 def test_load_rises_at_its_rate_and_is_then_held():
-    system = spring(tolerance=1e-4)
-    found = moments(system, [0.0], -0.5, replace(PACE, rate=0.1))
+    found = moments(spring(tolerance=1.0), [0.0], -0.5, replace(PACE, rate=0.1))  # any state would be one of rest
     load = np.array([0.0] + [each.load for each in found])
     duration = np.array([each.duration for each in found])
     rising = load[1:] > -0.5
     assert rising.sum() > 5
     np.testing.assert_allclose(-np.diff(load)[rising], 0.1 * duration[rising], rtol=1e-9)
-    assert np.all(load >= -0.5)
-    assert load[-1] == -0.5
+    assert load.min() == load[-1] == -0.5
     # Behind a steady load the spring lags by rate × η/k²; the first step's own error apart.
     last = np.flatnonzero(rising)[-1]
     assert -found[last].load / 2.0 - found[last].state[0] == pytest.approx(0.1 / 4, rel=0.1)
@@ -129,10 +113,8 @@ def test_jump_ends_where_the_exact_flow_does():
         x, y = u
         return np.array([0.5 * (x + 1) + 0.6 * np.cos(3 * x) * y, y * (y**2 - 1) + 0.2 * np.sin(3 * x)])
 
-    numeric = [(energy(np.array([0.3, 0.2]) + d) - energy(np.array([0.3, 0.2]) - d)) / 2e-6 for d in 1e-6 * np.eye(2)]
-    np.testing.assert_allclose(gradient(np.array([0.3, 0.2])), numeric, rtol=1e-6)
     ends = set()
-    for start in np.linspace(-0.4, 0.4, 9):
+    for start in (-0.4, -0.1, 0.1, 0.4):
         exact = solve_ivp(lambda t, u: -gradient(u), (0, 50), [2.0, start], rtol=1e-9, atol=1e-10).y[:, -1]
         found = moments(System(energy, gradient, tolerance=1e-5), [2.0, start], 0.0, replace(PACE, allowed=0.01))
         np.testing.assert_allclose(found[-1].state, exact, atol=1e-4)
@@ -155,8 +137,8 @@ def test_rest_on_a_saddle_is_left_and_rest_in_a_valley_is_not():
 
 
 def test_ends_of_a_motion_are_told_apart():
-    assert moments(spring(), [1.0], -3.0, replace(PACE, most=5))[-1].fate is Status.TOO_LONG
-    assert len(moments(spring(), [1.0], -3.0, replace(PACE, most=5))) == 5
+    found = moments(spring(), [1.0], -3.0, replace(PACE, most=5))
+    assert (len(found), found[-1].fate) == (5, Status.TOO_LONG)
     gone = moments(spring(apart=lambda state: state[0] > 1.0), [0.0], -3.0, PACE)
     assert gone[-1].fate is Status.APART
     assert gone[-1].state[0] > 1.0 >= gone[-2].state[0]

@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter
 
-from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.height_maps.preparation import detrended, filled, lowpassed, mirrored, windowed
 
@@ -22,7 +21,7 @@ def holes(shape, seed, share=0.4):
     return missing
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=25)
 @given(SIDES, st.tuples(*[COEFFICIENT] * 3), st.integers(0, 99))
 def test_tilt_is_removed_and_nothing_else(shape, plane, seed):
     y, x = np.mgrid[: shape[0], : shape[1]]
@@ -37,16 +36,15 @@ def test_tilt_is_removed_and_nothing_else(shape, plane, seed):
         assert np.sum(weight[there] * left[there]) == pytest.approx(0, abs=1e-9)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=25)
 @given(SIDES, st.tuples(*[COEFFICIENT] * 6))
 def test_curvature_is_removed_whole_and_a_tilt_leaves_it(shape, c):
     y, x = np.mgrid[: shape[0], : shape[1]]
     bowl = c[0] + c[1] * y + c[2] * x + c[3] * y**2 + c[4] * x * y + c[5] * x**2
     np.testing.assert_allclose(detrended(bowl, 2), 0, atol=1e-10)  # rounding of heights up to 3e3
-    left = detrended(bowl, 1)
-    second = np.diff(bowl, 2, axis=0), np.diff(bowl, 2, axis=1)
-    np.testing.assert_allclose(np.diff(left, 2, axis=0), second[0], atol=1e-10)
-    np.testing.assert_allclose(np.diff(left, 2, axis=1), second[1], atol=1e-10)
+    for axis in range(2):
+        second = np.diff(bowl, 2, axis=axis)
+        np.testing.assert_allclose(np.diff(detrended(bowl, 1), 2, axis=axis), second, atol=1e-10)
 
 
 def test_the_mean_is_that_of_the_points_that_are_there():
@@ -54,7 +52,7 @@ def test_the_mean_is_that_of_the_points_that_are_there():
     np.testing.assert_allclose(detrended(heights, 0)[0], [-5 / 3, -2 / 3, np.nan, 7 / 3], atol=1e-14)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=25)
 @given(SIDES, st.tuples(*[COEFFICIENT] * 5), st.tuples(st.floats(0.3, 3), st.floats(0.3, 3)), st.integers(0, 99))
 def test_harmonic_heights_are_filled_exactly(shape, c, spacing, seed):
     """Harmonic polynomials of second degree solve the five-point equation exactly, on any rectangle of points."""
@@ -75,19 +73,12 @@ def test_filled_heights_stay_between_those_around_them(shape, seed):
     torn[0, 0], torn[-1, -1] = np.nan, rough[-1, -1]
     whole, there = filled(torn, (1.0, 2.0)), np.isfinite(torn)
     np.testing.assert_array_equal(whole[there], rough[there])
-    assert np.nanmin(torn) - 1e-12 <= whole.min()
-    assert whole.max() <= np.nanmax(torn) + 1e-12
-    turned = filled(torn.T, (2.0, 1.0)).T  # rounding of a direct solution
-    np.testing.assert_allclose(turned, whole, atol=1e-11)
+    assert np.nanmin(torn) - 1e-12 <= whole.min() <= whole.max() <= np.nanmax(torn) + 1e-12
 
 
 def test_mirror_images_meet():
     heights = np.random.default_rng(1).standard_normal((5, 7))
-    tiled = mirrored(heights)
-    assert tiled.shape == (10, 14)
-    np.testing.assert_array_equal(tiled[:5, :7], heights)
-    np.testing.assert_array_equal(tiled, tiled[::-1])
-    np.testing.assert_array_equal(tiled, tiled[:, ::-1])
+    np.testing.assert_array_equal(mirrored(heights), np.pad(heights, ((0, 5), (0, 7)), mode="symmetric"))
 
 
 def test_a_window_leaves_the_middle_and_joins_the_edges():
@@ -98,19 +89,6 @@ def test_a_window_leaves_the_middle_and_joins_the_edges():
     np.testing.assert_allclose(faded[:, 0], heights.mean(), atol=1e-14)
     # A cosine halfway down its slope is one half; rows and columns have their own.
     assert faded[5, 30] - heights.mean() == pytest.approx(0.5 * (heights[5, 30] - heights.mean()))
-
-
-@settings(deadline=None, max_examples=25)
-@given(st.tuples(st.integers(9, 24), st.integers(9, 24)), st.tuples(st.integers(9, 24), st.integers(9, 24)), st.data())
-def test_more_or_fewer_points_keep_a_band_limited_field(old, new, data):
-    modes = [data.draw(st.integers(0, (min(a, b) - 1) // 2)) for a, b in zip(old, new, strict=True)]
-    phase = data.draw(st.floats(0, 6.28))
-
-    def wave(shape):
-        y, x = (np.arange(n) / n for n in shape)
-        return np.cos(2 * np.pi * (modes[0] * y[:, None] + modes[1] * x[None, :]) + phase)
-
-    np.testing.assert_allclose(fourier.interpolate(wave(old), new), wave(new), atol=1e-13)  # rounding
 
 
 def test_lowpass_is_sharp_in_the_wavelength_whatever_the_direction():
