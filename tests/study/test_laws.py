@@ -40,18 +40,11 @@ LAWS = [
     Morse(0.69, R0, 0.6e-10),
     ExponentialCore(0.05, 2e-9, 1e-9, 0.2e-9),
 ]
-LAWS_93 = LennardJones93(1.0, 1.0)
 laws = pytest.mark.parametrize("law", LAWS, ids=lambda law: f"{type(law).__name__}-{law.work_of_adhesion}")
 
 
 def gaps(law):
     return law.length * np.geomspace(0.7, 6.0, 41)
-
-
-def test_maugis_parameter_of_the_two_laws():
-    # λ = 2 σ0 (9R/16πwE*²)^(1/3) in units of Tabor's μ: the factors for each law's peak stress.
-    for law, factor in ((LennardJones93(1.0, 1.0), 1.1570), (LennardJones104(1.0, 1.0), 2.125)):
-        assert 2 * law.peak_tensile_stress * (9 / (16 * np.pi)) ** (1 / 3) == pytest.approx(factor, rel=3e-4)
 
 
 def test_values_of_the_paper():
@@ -96,50 +89,11 @@ def test_a_repulsion_that_ends_is_told():
             law.repulsive_gap(np.array([0.0, -1.1 * strongest]))
 
 
-@pytest.mark.parametrize("kind", [LennardJones104, LennardJones93])
-@pytest.mark.parametrize(
-    ("work_of_adhesion", "length", "culprit"),
-    [
-        (-0.69, R0, "work_of_adhesion = -0.69"),
-        (0.0, R0, "work_of_adhesion"),
-        (float("nan"), R0, "work_of_adhesion"),
-        (float("inf"), R0, "work_of_adhesion"),
-        ("0.69", R0, "work_of_adhesion"),
-        (True, R0, "work_of_adhesion"),
-        (0.69, "3.28 angstrom", "length = '3.28 angstrom'"),
-        (0.69, -R0, "length"),
-        (0.69, None, "length"),
-    ],
-)
-def test_laws_refuse_what_is_no_law(kind, work_of_adhesion, length, culprit):
-    with pytest.raises(ValueError, match=culprit):
-        kind(work_of_adhesion, length)
-
-
-def test_laws_take_numbers_of_any_kind():
-    assert LennardJones104(np.float64(1), 2).traction(np.array(2.0)) == 0
-    assert LennardJones104(np.float32(0.5), np.float64(R0)).length == R0
-
-
-def test_a_wall_has_what_every_law_has():
-    wall = make_law("hard_wall", 0.69, R0)
-    for name in ("work_of_adhesion", "length", "equilibrium_distance", "peak_tensile_stress"):
-        assert getattr(wall, name) == 0.0
-        assert getattr(make_law("lennard_jones_9_3", 0.69, R0), name) > 0
-    with pytest.raises(ValueError, match="lennard_jones_10_4"):
-        make_law("lennard_jones", 0.69, R0)
-
-
-def test_the_names_count_exponents():
-    """10-4 those of the energy, 9-3 those of the traction: far out and deep in, the powers of each law."""
-    for law, energy, traction in ((LennardJones104(1.0, 1.0), (10, 4), (11, 5)), (LAWS_93, (8, 2), (9, 3))):
-        for gap, which in ((1e-3, 0), (1e3, 1)):
-            pair = np.array([gap, 2 * gap])
-            # The other power is (1e-3)⁶ of this one.
-            slope = np.diff(np.log(np.abs(law.potential(pair)))) / np.log(2)
-            assert slope == pytest.approx(-energy[which], abs=1e-12)
-            slope = np.diff(np.log(np.abs(law.traction(pair)))) / np.log(2)
-            assert slope == pytest.approx(-traction[which], abs=1e-12)
+@pytest.mark.parametrize("wrong", [-0.69, 0.0, float("nan"), float("inf"), "3.28 angstrom", True, None])
+def test_laws_refuse_what_is_no_law(wrong):
+    for name, given in (("work_of_adhesion", (wrong, R0)), ("length", (0.69, wrong))):
+        with pytest.raises(ValueError, match=f"{name} = {wrong!r}: must be a"):
+            LennardJones104(*given)
 
 
 def test_half_spaces_of_lennard_jones_atoms_make_the_9_3_law():
@@ -256,14 +210,6 @@ def test_a_study_makes_every_law(name):
     assert law.contact_distance == pytest.approx(expected.contact_distance, abs=0)
 
 
-def test_morse_is_the_exponential_core_of_half_its_range():
-    morse, cored = Morse(0.69, R0, 0.6e-10), ExponentialCore(0.69, R0, 0.6e-10, 0.3e-10)
-    gap = gaps(morse)
-    np.testing.assert_allclose(cored.traction(gap), morse.traction(gap), rtol=1e-12, atol=1e-13 * 5e9)
-    assert cored.peak_distance == pytest.approx(morse.peak_distance, rel=1e-14, abs=0)
-    assert cored.strongest_softening == pytest.approx(morse.strongest_softening, rel=1e-10)  # differences
-
-
 @pytest.mark.parametrize(
     ("cored", "wall"),
     [
@@ -291,15 +237,12 @@ def test_dugdales_tension_is_constant_up_to_its_reach(ramp):
 def test_repulsion_alone_is_half_of_the_9_3_law():
     law, whole = EVERY_LAW["repulsive"], LennardJones93(0.69, R0)
     inside, outside = R0 * np.linspace(0.5, 1, 20, endpoint=False), R0 * np.linspace(1, 5, 20)
-    np.testing.assert_allclose(law.traction(inside), whole.traction(inside))
-    np.testing.assert_allclose(law.stiffness(inside), whole.stiffness(inside))
-    np.testing.assert_allclose(law.potential(inside) - whole.potential(inside), 0.69)
-    for function in (law.potential, law.traction, law.stiffness):
-        np.testing.assert_array_equal(function(outside), 0)
+    for name, beyond in (("traction", 0), ("stiffness", 0), ("potential", 0.69)):
+        np.testing.assert_allclose(getattr(law, name)(inside), getattr(whole, name)(inside) + beyond)
+        np.testing.assert_array_equal(getattr(law, name)(outside), 0)
     pressure = np.geomspace(1e2, 1e16, 20)  # a gap is rounded to 0.1 Pa at the onset
     np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-6)
-    assert law.peak_tensile_stress == 0
-    assert law.work_of_adhesion == 0
+    assert law.peak_tensile_stress == law.strongest_softening == law.work_of_adhesion == 0
 
 
 def test_a_table_is_met_at_its_points_and_near_its_source_between():
@@ -333,11 +276,9 @@ NM_MPA = np.array([[0.2, -200], [0.25, -50], [0.3, -10], [0.35, 0], [0.4, 20], [
         ([[2, 1], [3, 0.1]], 1 / np.log(10)),
         ([[2, 1], [3, 1e-300]], 1 / np.log(1e300)),
         ([[2, 1], [3, 0]], None),
-        ([[2, 0], [3, 0]], None),
         ([[2, 1], [3, 1]], 2.4),  # as far as from the peak to the end
-        ([[2, 1.0000001], [3, 1]], 2.4),
     ],
-    ids=["steep", "steepest", "zero", "zeros", "level", "rounded"],
+    ids=["steep", "steepest", "zero", "level"],
 )
 def test_a_table_ends_as_its_last_points_fall(rows, fading):
     gap, traction = np.concatenate([NM_MPA[:-2], rows]).T * [[1e-9], [1e6]]
@@ -362,27 +303,15 @@ def test_a_table_ends_as_its_last_points_fall(rows, fading):
     assert law.work_of_adhesion < 0.021  # 17.6 mJ/m² within the table, 1 MPa over 2.4 nm beyond it
 
 
-def test_a_few_points_of_a_law_that_falls_steeply_have_its_work():
-    source = Morse(0.05, 1e-9, 0.3e-9)
-    gap = 1e-9 * np.geomspace(0.85, 3, 12)
-    law = TabulatedLaw.through(gap, source.traction(gap))
-    assert law.work_of_adhesion == pytest.approx(0.05, rel=5e-3)  # measured 2.4e-3, of the cubics
-    # Beyond the end the exponential is Morse's own, to e^(−2/0.3), its core's share there.
-    beyond = 1e-9 * np.array([3.1, 3.5])
-    np.testing.assert_allclose(law.traction(beyond), source.traction(beyond), rtol=5e-3)
-
-
 PEAK = int(np.argmax(TABLE_TRACTIONS))
 
 
 def table_of(gap=TABLE_GAPS, traction=TABLE_TRACTIONS):
-    return np.array(gap, dtype=float), np.array(traction, dtype=float)
+    return gap, traction
 
 
 def changed_point(index, value):
-    gap, traction = table_of()
-    traction[index] = value
-    return gap, traction
+    return TABLE_GAPS, np.where(np.arange(100) == index, value, TABLE_TRACTIONS)
 
 
 @pytest.mark.parametrize(
@@ -439,7 +368,6 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
         ),
         ({"path": "semicolons.txt"}, r"line 1 is '1;2'; .* columns by blanks, tabs or commas$"),
         ({"path": "ragged.txt"}, r"ragged\.txt is no table of numbers: line 4 has 1 of them, line 2 has 2$"),
-        ({"path": "commas.txt"}, r"expected 2 columns"),
         ({"path": "empty.txt"}, r"interaction\.path: .*empty\.txt is empty; expected 2 columns"),
         ({"path": "law.txt"}, r"expected 2 columns"),
         ({"path": "two.txt", "gap_unit": "MPa"}, r"^interaction\.gap_unit = 'MPa': is no unit that .* to m$"),
@@ -449,13 +377,15 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
     ],
 )
 def test_a_table_that_cannot_be_used_is_one_line(tmp_path, keys, words):
-    (tmp_path / "law.txt").write_text("1 2 3\n4 5 6\n")
-    (tmp_path / "two.txt").write_text("1 -2\n4 5\n")
-    (tmp_path / "words.txt").write_text("# measured\ngap, traction # of a law\n1, 2\n")
-    (tmp_path / "semicolons.txt").write_text("1;2\n")
-    (tmp_path / "ragged.txt").write_text("\n1 2,\n,\n3 # 4\n")
-    (tmp_path / "commas.txt").write_text(",,\n")
-    (tmp_path / "empty.txt").write_text("# gap traction\n\n")
+    for name, text in {
+        "law": "1 2 3\n4 5 6\n",
+        "two": "1 -2\n4 5\n",
+        "words": "# measured\ngap, traction # of a law\n1, 2\n",
+        "semicolons": "1;2\n",
+        "ragged": "\n1 2,\n,\n3 # 4\n",
+        "empty": "# gap traction\n\n",
+    }.items():
+        (tmp_path / f"{name}.txt").write_text(text)
     with pytest.raises(InputError, match=words):
         study_with(tmp_path, **keys)
 
@@ -480,12 +410,14 @@ def test_keys_that_make_no_law_are_named(keys, words):
 
 
 def test_laws_by_name_take_fields_of_their_own():
+    wall = make_law("hard_wall", 0.69, R0)
+    assert wall.work_of_adhesion == wall.length == wall.equilibrium_distance == wall.peak_tensile_stress == 0
     assert make_law("morse", 0.69, R0, range=1e-10) == Morse(0.69, R0, 1e-10)
     assert make_law("repulsive", 0.69, R0, repulsion=2.0) == Repulsive(0.0, R0, 2.0)
     for name, own, words in (
         ("morse", {}, "range: .* needs it"),
         ("dugdale", {"core": 1.0}, "core: .* no such field"),
-        ("tabulated", {}, "expected one of"),
+        ("tabulated", {}, "expected one of lennard_jones_10_4"),
     ):
         with pytest.raises(ValueError, match=words):
             make_law(name, 0.69, R0, **own)

@@ -75,20 +75,9 @@ def netcdf(path, heights):
 
 def bcr(path, heights):
     """Binary 16-bit integers below a header; 0.001 nm a unit."""
-    said = {
-        "fileformat": "bcrstm",
-        "headersize": 2048,
-        "xpixels": 8,
-        "ypixels": 6,
-        "xlength": 8000,
-        "ylength": 6000,
-        "xunit": "nm",
-        "yunit": "nm",
-        "zunit": "nm",
-        "bit2nm": 0.01,
-        "intelmode": 1,
-    }
-    header = "".join(f"{name} = {value}\n" for name, value in said.items()).ljust(2048, "\0")
+    said = "fileformat=bcrstm headersize=2048 xpixels=8 ypixels=6 xlength=8000 ylength=6000 intelmode=1 bit2nm=0.01"
+    lines = [*said.split(), *(f"{axis}unit=nm" for axis in "xyz"), ""]
+    header = "\n".join(lines).replace("=", " = ").ljust(2048, "\0")
     path.write_bytes(header.encode() + struct.pack("<48h", *np.rint(heights / 0.01).astype(int).ravel()))
 
 
@@ -107,13 +96,14 @@ def test_files_that_say_all(tmp_path, heights, name, write):
     found = surface(tmp_path, name)
     taken(found, 1e-9 * heights)
     assert found.shape == (6, 8)
+    assert read_height_map(tmp_path / name).unit == "nm, its file"
     # What the study repeats is no contradiction; what differs is one, with both in the line.
     surface(tmp_path, name, size=["6 um", "8.001 um"], height_unit="nm")
     assert "says 6e-06 x 8e-06" in refused(tmp_path, name, size=["6 um", "7 um"])
     assert "says nm" in refused(tmp_path, name, height_unit="um")
 
 
-@pytest.mark.parametrize("name", ["map.npy", "map.npz", "map.txt", "map.dat"])
+@pytest.mark.parametrize("name", ["map.npy", "map.npz", "map.dat"])
 def test_bare_tables_are_told_their_size_and_unit(tmp_path, heights, name):
     if name == "map.npy":
         np.save(tmp_path / name, heights)
@@ -122,6 +112,8 @@ def test_bare_tables_are_told_their_size_and_unit(tmp_path, heights, name):
     else:
         np.savetxt(tmp_path / name, heights, fmt="%.17g")
     taken(surface(tmp_path, name, size=["6 um", "8 um"], height_unit="nm"), 1e-9 * heights)
+    assert read_height_map(tmp_path / name, "nm", SIZE).unit == "nm, surface.height_unit"
+    assert read_height_map(tmp_path / name, None, SIZE).unit == "m, default"
     assert "missing key surface.size: how wide is the map?" in refused(tmp_path, name)
     assert "surface.height_unit" in refused(tmp_path, name, size="6 um", height_unit="N")
     assert "surface.lateral_unit" in refused(tmp_path, name, size="6 um", lateral_unit="um")
@@ -140,6 +132,10 @@ def test_coordinates_without_a_unit(tmp_path, heights):
     taken(surface(tmp_path, "metres.nc"), 1e-9 * heights)
     netcdf(tmp_path / "other.nc", heights)
     assert 'surface.lateral_unit = "nm"' in refused(tmp_path, "other.nc", lateral_unit="nm")
+    # One coordinate speaks for both.
+    coordinates["x"] = ("x", np.arange(8.0), {"units": "um"})
+    xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "one.nc")
+    taken(surface(tmp_path, "one.nc"), 1e-9 * heights)
 
 
 def test_netcdf_with_the_attributes_of_surfacetopography(tmp_path, heights):
@@ -159,15 +155,8 @@ def test_netcdf_with_the_attributes_of_surfacetopography(tmp_path, heights):
     assert found.unit == "angstrom, its file"
     assert np.isnan(found.heights[2, 3])
     there = ~np.isnan(found.heights)
-    assert there.sum() == 47
-    np.testing.assert_allclose(found.heights[there], 1e-10 * heights[there], rtol=1e-12)
+    np.testing.assert_allclose(found.heights[there], 1e-10 * np.delete(heights, 2 * 8 + 3), rtol=1e-12)
     assert "says angstrom" in refused(tmp_path, "map.nc", height_unit="nm")
-
-
-def test_one_coordinate_speaks_for_both(tmp_path, heights):
-    coordinates = {"x": ("x", np.arange(8.0), {"units": "um"}), "y": ("y", np.arange(6.0))}
-    xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "map.nc")
-    taken(surface(tmp_path, "map.nc"), 1e-9 * heights)
 
 
 def test_the_micro_sign_of_old_files(tmp_path, heights):
@@ -228,21 +217,27 @@ def test_an_instruments_file(tmp_path, heights):
     assert "7" in refused(tmp_path, "map.bcr", channel=7)
 
 
-def test_unknown_formats(tmp_path, monkeypatch):
-    (tmp_path / "map.spm").write_bytes(b"\0\1\2\3 nothing that anyone knows" * 100)
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("map.spm", b"\0\1\2\3 nothing that anyone knows" * 100),
+        # 4 x 4 numbers of two bytes would be a tile of elevations, a format that marks itself by its name alone.
+        ("words.txt", b"height of a surface\nis not here\n"),
+        ("noise.dat", b"\0\1\2 nonsense" * 20),
+    ],
+)
+def test_unknown_formats(tmp_path, name, content, capfd):
     pytest.importorskip("SurfaceTopography", reason="extra instruments")
-    said = refused(tmp_path, "map.spm", size="1 um")
+    (tmp_path / name).write_bytes(content)
+    said = refused(tmp_path, name, size="1 um")
     assert "in no format that is known" in said
     assert ".npy, .npz, .nc, .nc4, .netcdf, .xyz, .gz and those of SurfaceTopography" in said
-    (tmp_path / "words.txt").write_text("there are no numbers here\n")
-    assert "words.txt" in refused(tmp_path, "words.txt", size="1 um")
+    assert capfd.readouterr() == ("", ""), "the library's own remarks"
 
 
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("empty.txt", "", "empty.txt holds no numbers"),
-        ("header.txt", "# Width: 1 um\n# Height: 1 um\n", "header.txt holds no numbers"),
         ("empty.xyz", "X[nm] Y[nm] Z[nm]\n", "empty.xyz holds no numbers"),
         ("short.xyz", "0 0 1\n0 1\n", "short.xyz cannot be read (the number of columns changed from 3 to 2 at row 2)"),
     ],
@@ -250,21 +245,6 @@ def test_unknown_formats(tmp_path, monkeypatch):
 def test_tables_without_rows_of_numbers(tmp_path, name, text, words):
     (tmp_path / name).write_text(text)
     assert words in refused(tmp_path, name, size="1 um")
-
-
-def test_a_text_as_long_as_a_square_of_integers_is_no_map(tmp_path, capfd):
-    pytest.importorskip("SurfaceTopography", reason="extra instruments")
-    # 4 x 4 numbers of two bytes would be a tile of elevations, a format that marks itself by its name alone.
-    (tmp_path / "words.txt").write_text("height of a surface\nis not here\n")
-    assert "in no format that is known" in refused(tmp_path, "words.txt", size="1 um")
-    (tmp_path / "noise.dat").write_bytes(b"\0\1\2 nonsense" * 20)
-    assert "in no format that is known" in refused(tmp_path, "noise.dat", size="1 um")
-    assert capfd.readouterr() == ("", ""), "the library's own remarks"
-
-
-def test_complex_numbers_are_no_heights(tmp_path):
-    np.save(tmp_path / "map.npy", np.ones((8, 8)) * 1j)
-    assert "holds complex numbers; expected heights" in refused(tmp_path, "map.npy", size="1 um")
 
 
 def test_instruments_need_their_extra(tmp_path, monkeypatch):
@@ -290,27 +270,6 @@ def test_several_maps_leave_a_choice(tmp_path, heights):
             assert f"surface.channel = {channel!r}" in refused(tmp_path, name, channel=channel, **keys)
     np.save(tmp_path / "one.npy", heights)
     assert "holds one map" in refused(tmp_path, "one.npy", channel="retrace", size="1 um")
-
-
-@pytest.mark.parametrize(
-    ("array", "culprit"),
-    [
-        (np.ones((3, 9)), r"at least 4 x 4"),
-        (np.ones((1, 9)), "line scan (9 points)"),
-        (np.full((9, 9), np.nan), "all of its heights are missing"),
-    ],
-)
-def test_maps_that_are_none(tmp_path, array, culprit):
-    np.save(tmp_path / "map.npy", array)
-    assert culprit in refused(tmp_path, "map.npy", size="1 um", fill="harmonic")
-
-
-def test_the_unit_says_who_said_it(tmp_path, heights):
-    gwyddion(tmp_path / "map.txt", heights)
-    assert read_height_map(tmp_path / "map.txt").unit == "nm, its file"
-    np.save(tmp_path / "map.npy", heights)
-    assert read_height_map(tmp_path / "map.npy", "nm", (1.0, 1.0)).unit == "nm, surface.height_unit"
-    assert read_height_map(tmp_path / "map.npy", None, (1.0, 1.0)).unit == "m, default"
 
 
 def test_many_lines_with_rounded_places_are_counted(tmp_path):
