@@ -28,9 +28,8 @@ def exact_springs(base, spring, rms_height, law):
 
     The gap d above a height h minimises ½K(d − base + h)² + φ(d), whatever its neighbours do.
     """
-    heights = np.linspace(
-        -8, 8, 10001
-    )  # of the Gaussian 1e-15 is beyond, and the trapezoidal rule knows no other error
+    # Of the Gaussian 1e-15 is beyond, and the trapezoidal rule knows no other error.
+    heights = np.linspace(-8, 8, 10001)
     weights = np.exp(-0.5 * heights**2)
     weights /= weights.sum()
     reach = base - rms_height * heights

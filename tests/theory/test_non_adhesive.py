@@ -8,7 +8,7 @@ from scipy.special import erf
 from theory.non_adhesive import closed_forms
 from theory.non_adhesive.corrections import CORRECTIONS, NonAdhesiveTheory
 
-PRESSURES = (1e7, 1e9, 5e9, 3e10)
+PRESSURES = (1e7, 5e9)
 
 
 def theory_of(paper, correction, **choices):
@@ -28,14 +28,6 @@ def test_without_correction_it_is_the_closed_form(paper, pressure):
     assert contact.mean_gap == pytest.approx(float(expected), rel=1e-6)
 
 
-def test_without_reduction_every_correction_is_the_theory(paper):
-    plain = theory_of(paper, "persson").at_pressure(1e9)
-    for correction in ("yang_persson", "xu"):
-        same = theory_of(paper, correction, gamma=1.0).at_pressure(1e9)
-        for name in ("relative_contact_area", "mean_gap", "elastic_energy", "stiffness"):
-            assert getattr(same, name) == pytest.approx(getattr(plain, name), rel=1e-6)
-
-
 @pytest.mark.parametrize("pressure", PRESSURES)
 def test_xu_solves_its_implicit_equation(paper, pressure):
     contact = theory_of(paper, "xu").at_pressure(pressure)
@@ -51,9 +43,9 @@ def test_xu_solves_its_implicit_equation(paper, pressure):
         ("wang_mueser", lambda area: 5 / 9 - 2 / 9 * area**2 + 2 / 3 * area**4),
     ],
 )
-@pytest.mark.parametrize("pressure", [1e9, 5e9])
-def test_increments_are_those_of_the_equations(paper, correction, share, pressure):
+def test_increments_are_those_of_the_equations(paper, correction, share):
     """Marching in the magnification, the midpoint rule."""
+    pressure = 2e9
     contact = theory_of(paper, correction).at_pressure(pressure)
     steps = np.diff(np.linspace(0, np.cbrt(variance_of(paper)), 4001) ** 3)
     partial = 0.0
@@ -61,13 +53,6 @@ def test_increments_are_those_of_the_equations(paper, correction, share, pressur
         middle = partial + 0.5 * step * share(erf(pressure / np.sqrt(2 * max(partial, 1e-300))))
         partial += step * share(erf(pressure / np.sqrt(2 * middle)))
     assert float(contact.stress_variance_at()) == pytest.approx(partial, rel=1e-6)
-
-
-@pytest.mark.parametrize(("correction", "share"), [("yang_persson", 0.42), ("wang_mueser", 5 / 9), ("xu", 0.42)])
-def test_light_contact_is_larger_by_the_root_of_its_share(paper, correction, share):
-    light = theory_of(paper, correction).at_pressure(1e4).relative_contact_area
-    plain = theory_of(paper, "persson").at_pressure(1e4).relative_contact_area
-    assert light / plain == pytest.approx(share**-0.5, rel=1e-3)
 
 
 @pytest.mark.parametrize("correction", CORRECTIONS)

@@ -11,8 +11,6 @@ from scipy.special import erf
 
 from contact_study.physics.roughness.spectrum import RadialSpectrum, SelfAffineSpectrum
 from theory.non_adhesive import closed_forms
-from theory.persson import theory as persson
-from theory.persson.separation import separation_curve
 from theory.persson.theory import (
     IterationOptions,
     PerssonOptions,
@@ -23,13 +21,13 @@ from theory.persson.theory import (
 )
 
 solve = PerssonTheory.at_pressure
-PRESSURES = (0, 0.1, 0.2, 0.5, 1, 2, 5, 10)  # GPa
+PRESSURES = (0, 0.1, 0.5, 1, 2, 10)  # GPa
 # Relative contact area, two independent schemes within 0.2 % of each other (q₁ = 12 q_L, β = 0.4, α = 1).
 AREAS = {
-    0.0: (0, 0.00649, 0.01297, 0.03243, 0.06480, 0.12917, 0.31563, 0.58379),
-    0.69: (0, 0.00812, 0.01624, 0.04057, 0.08093, 0.16032, 0.37898, 0.65948),
-    2.76: (0, 0.03255, 0.06194, 0.13154, 0.21586, 0.34054, 0.59478, 0.84051),
-    5.52: (0.56653, 0.57614, 0.58548, 0.61210, 0.65239, 0.72094, 0.85956, 0.95940),
+    0.0: (0, 0.00649, 0.03243, 0.06480, 0.12917, 0.58379),
+    0.69: (0, 0.00812, 0.04057, 0.08093, 0.16032, 0.65948),
+    2.76: (0, 0.03255, 0.13154, 0.21586, 0.34054, 0.84051),
+    5.52: (0.56653, 0.57614, 0.61210, 0.65239, 0.72094, 0.95940),
 }
 
 
@@ -42,13 +40,6 @@ def test_reference_areas(paper, work_of_adhesion):
     assert areas == pytest.approx(AREAS[work_of_adhesion][1:], rel=0.004, abs=5e-6)
     assert at_rest.relative_contact_area == pytest.approx(AREAS[work_of_adhesion][0], rel=0.004, abs=1e-6)
     assert at_rest.detached == (work_of_adhesion < 5)
-
-
-def test_resolution_changes_little(paper):
-    fine = paper.theory(2.76, nodes=400, cells=600)
-    for p in PRESSURES[1:]:
-        coarse = solve(paper.theory(2.76), p * 1e9).relative_contact_area
-        assert coarse == pytest.approx(solve(fine, p * 1e9, tolerance=1e-6).relative_contact_area, rel=0.002)
 
 
 def test_vanishing_adhesion_gives_the_closed_forms(paper):
@@ -70,9 +61,8 @@ def rough(hurst, decades, work_over_full, **choices):
     return PerssonTheory(spectrum, 94e9, work_over_full * full, **choices)
 
 
-@pytest.mark.parametrize("pressure", [1e6, 1e8, 5e9])
 @pytest.mark.parametrize(
-    ("hurst", "decades", "work_over_full"), [(0.8, 0.6, 0.5), (0.8, 0.6, 1.03), (1, 1, 1.2), (1, 4, 1.2), (0.5, 4, 0.5)]
+    ("hurst", "decades", "work_over_full", "pressure"), [(0.8, 0.6, 1.03, 1e6), (1, 4, 1.2, 1e8), (0.5, 4, 0.5, 5e9)]
 )
 def test_load_is_carried_in_the_contact_and_at_its_edges(hurst, decades, work_over_full, pressure):
     contact = solve(rough(hurst, decades, work_over_full), pressure)
@@ -84,36 +74,13 @@ def test_load_is_carried_in_the_contact_and_at_its_edges(hurst, decades, work_ov
     assert contact.stress_balance == (contact.contact_stress + contact.edge_stress) / pressure
 
 
-def test_stress_of_strong_adhesion_over_four_decades_depends_little_on_the_cells():
-    found, fine = (solve(rough(1, 4, 1.2, cells=cells), 1e8).contact_stress for cells in (300, 1500))
-    assert found == pytest.approx(fine, rel=2e-3)
-
-
-@pytest.mark.parametrize("share", [1e-5, 1e-4, 1e-2])
-@pytest.mark.parametrize("hurst", [0.2, 0.5, 0.8])
+@pytest.mark.parametrize(("hurst", "share"), [(0.2, 1e-5), (0.8, 1e-2)])
 def test_energy_of_light_contact_is_that_of_the_closed_form(hurst, share):
     theory = rough(hurst, 4, 0.0)
     pressure = share * theory.stress_scale
     stress, energy = closed_forms.stress_and_energy_points(theory.spectrum, theory.solid, 20000)
     expected = energy @ energy_weight(erf(pressure / stress), "paper", 0.4)
     assert solve(theory, pressure).energy == pytest.approx(expected, rel=0.01)
-
-
-def test_state_whose_stresses_do_not_balance_is_not_converged(paper, monkeypatch):
-    theory, diffuse = paper.theory(2.76), persson.diffuse
-
-    def losing(*arguments):
-        found = diffuse(*arguments)
-        return replace(found, edge_stress=1.1 * found.edge_stress)
-
-    monkeypatch.setattr(persson, "diffuse", losing)
-    contact = solve(theory, 1e8)
-    assert contact.residual < 1e-7
-    assert not contact.converged
-    assert contact.stress_balance == pytest.approx(1 - 0.1 * (contact.contact_stress / 1e8 - 1), abs=0.05)
-    assert f"carry {contact.stress_balance:.3g} times the pressure" in contact.advice
-    assert "cells" in contact.advice
-    assert np.isnan(solve(theory, 0.0).stress_balance)
 
 
 def test_state_obeys_the_crack_condition(paper):
@@ -132,7 +99,7 @@ def test_state_obeys_the_crack_condition(paper):
     assert contact.detachment_stress == pytest.approx(expected, abs=2e-3 * expected.max())
 
 
-@settings(max_examples=15)
+@settings(max_examples=6)
 @given(
     work=st.floats(0, 8),
     pressure=st.floats(0.01, 20),
@@ -155,7 +122,7 @@ def test_area_is_a_fraction_that_grows_with_pressure_and_adhesion(work, pressure
     assert area(1.1 * work, pressure) >= here * (1 - 3e-3)
 
 
-@settings(max_examples=10)
+@settings(max_examples=4)
 @given(length=st.floats(-9, 3), stress=st.floats(-6, 6))
 def test_units_do_not_matter(length, stress):
     length, stress = 10.0**length, 10.0**stress
@@ -193,7 +160,7 @@ def test_both_branches_are_one_under_pressure(paper, work_of_adhesion):
     assert not solve(theory, 0.0, "adhered").detached
 
 
-@pytest.mark.parametrize(("work_of_adhesion", "pressure"), [(2.95, 0.1), (3.0, 0.2), (3.1, 0.1), (4.0, 1)])
+@pytest.mark.parametrize(("work_of_adhesion", "pressure"), [(2.95, 0.1), (3.1, 0.1)])
 def test_converges_near_the_sticking_threshold(paper, work_of_adhesion, pressure):
     # A relaxation common to all magnifications ends in a cycle here: γ_eff passes through zero at one of them.
     contact = solve(paper.theory(work_of_adhesion), pressure * 1e9)
@@ -204,8 +171,7 @@ def test_converges_near_the_sticking_threshold(paper, work_of_adhesion, pressure
     assert early.residual > 1e-7
 
 
-@pytest.mark.parametrize("work_of_adhesion", [0.69, 2.76, 5.52])
-@pytest.mark.parametrize("pressure", [1e8, 1e9, 1e10])
+@pytest.mark.parametrize(("work_of_adhesion", "pressure"), [(0.69, 1e9), (2.76, 1e8), (5.52, 1e10)])
 def test_accelerated_iteration_finds_the_state_of_the_damped_one(paper, work_of_adhesion, pressure):
     damped = PerssonOptions(iteration=IterationOptions(accelerated=0))
     theory = paper.theory(work_of_adhesion, nodes=80, cells=150)
@@ -216,19 +182,6 @@ def test_accelerated_iteration_finds_the_state_of_the_damped_one(paper, work_of_
     # The tolerance of σ_a, 1e-7 of its scale, which the damped iteration meets with an error of some times its change.
     assert fast.contact == pytest.approx(slow.contact, abs=2e-6)
     assert fast.detachment_stress == pytest.approx(slow.detachment_stress, abs=1e-5 * theory.stress_scale)
-
-
-def test_neighbours_tell_where_to_start(paper):
-    theory = paper.theory(2.76)
-    curve = separation_curve(theory, 1e8)
-    # From afar up to 12; from three states before half as many.
-    assert np.mean([contact.iterations for contact in curve.contacts]) < 6
-    between = np.sqrt(curve.pressure[10] * curve.pressure[11])
-    start = curve.detachment_stress_at(between)
-    found = solve(theory, between, start)
-    assert found.iterations <= 6
-    assert start == pytest.approx(found.detachment_stress, abs=1e-2 * theory.stress_scale)
-    assert curve.detachment_stress_at(1e7) == pytest.approx(curve.contacts[0].detachment_stress, abs=1e-6 * 1e9)
 
 
 def test_state_that_circles_is_given_up(paper):
@@ -243,12 +196,6 @@ def test_state_that_circles_is_given_up(paper):
     assert not early.stalled
     assert early.iterations == 20
     assert "max_iterations" in early.advice
-    # One that takes over twice as long as the patience, and gets there. Its way is chaotic: 448 to 823 iterations where
-    # the work of adhesion changes by 1e-13 to 1e-11 of itself.
-    slow = solve(paper.theory(3.3, alpha=3.0, nodes=80, cells=120), 3e7, max_iterations=2000)
-    assert slow.iterations > 400
-    assert slow.converged
-    assert not slow.stalled
 
 
 def test_cap_limits_the_detachment_stress(paper):
@@ -257,22 +204,6 @@ def test_cap_limits_the_detachment_stress(paper):
     assert free.detachment_stress[-1] == pytest.approx(6.85e9, rel=0.01)
     assert capped.detachment_stress.max() == pytest.approx(3.98e9)
     assert capped.relative_contact_area < free.relative_contact_area
-
-
-def test_fine_shells_act_as_their_continuum(paper):
-    edges = np.geomspace(paper.spectrum.low, paper.spectrum.cutoff, 401)
-    variances = 2 * np.pi * np.diff(paper.spectrum.moment(1, upper=edges))
-    shells = RadialSpectrum(np.sqrt(edges[1:] * edges[:-1]), variances)
-    theory = PerssonTheory(shells, paper.contact_modulus, 2.76)
-    expected = solve(paper.theory(2.76), 1e9).relative_contact_area
-    assert solve(theory, 1e9).relative_contact_area == pytest.approx(expected, rel=2e-3)
-
-
-def test_single_wave_is_served():
-    theory = PerssonTheory(RadialSpectrum(np.array([1.0]), np.array([0.04])), 1.0, 1e-3)
-    contact = solve(theory, 0.02)
-    assert contact.converged
-    assert 0 < contact.relative_contact_area < 1
 
 
 def test_filtered_surface_is_that_without_its_empty_shells(paper, filtered_spectrum):

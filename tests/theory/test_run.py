@@ -37,37 +37,52 @@ STUDY = {
         "hurst_exponent": 0.8,
     },
     "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42},
-    "interaction": {
-        "work_of_adhesion": "1.4 J/m^2",
-        "length": "3.28 angstrom",
-        "contact_distance": "3.68 angstrom",
-    },
+    "interaction": {"work_of_adhesion": "1.4 J/m^2", "length": "3.28 angstrom", "contact_distance": "3.68 angstrom"},
     "loading": {"path": ["1 GPa", "5 GPa"], "unload": True},
     "theory": {"spectrum": "analytic"},
 }
 
 
-def case_of(**sections):
+def study_of(**sections):
     table = copy.deepcopy(STUDY)
     if "kind" in sections.get("surface", {}):
         of_another_kind(table)
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
-    return make_study(table).cases[0]
+    return make_study(table)
 
 
-def persson_of(**sections):
-    """A case of Persson's theory alone."""
-    return case_of(**sections | {"theory": {"flows": "none"} | sections.get("theory", {})})
+def case_of(*path, flows="none", **sections):
+    """A case of Persson's theory alone unless flows are asked for, with another path if one is given."""
+    theory = {"flows": flows} | sections.pop("theory", {})
+    if path:
+        sections["loading"] = sections.get("loading", {}) | {"path": list(path), "unload": False}
+    return study_of(theory=theory, **sections).cases[0]
 
 
 def steps_of(case, **start):
     return recorded_path(case, run.solve_path(case, realise(case), **start))
 
 
+def values_of(case, **start):
+    return [step.values for step in steps_of(case, **start)]
+
+
+def constants_of(case):
+    return run.constants(case, realise(case))
+
+
+def assert_same(one, other, names=None):
+    for name in names or other:
+        assert np.array_equal(one[name], other[name], equal_nan=not isinstance(other[name], str)), name
+
+
+BOTH = ["gap_flow", "edge_flow"]
+
+
 @pytest.fixture(scope="module")
 def case():
-    return case_of()
+    return case_of(flows=BOTH)
 
 
 @pytest.fixture(scope="module")
@@ -75,218 +90,162 @@ def steps(case):
     return steps_of(case)
 
 
-@pytest.mark.parametrize("threads", [2, 4])
-def test_threads_change_no_bit(case, steps, threads):
-    shared = case_of(solver={"threads": threads})
-    for one, other in zip(steps_of(shared), steps, strict=True):
-        assert one.values.keys() == other.values.keys()
-        for key, value in other.values.items():
-            np.testing.assert_array_equal(one.values[key], value, err_msg=key)
-    constants = run.constants(case, realise(case))
-    for key, value in run.constants(shared, realise(shared)).items():
-        np.testing.assert_array_equal(value, constants[key], err_msg=key)
+def test_threads_change_no_bit(case, steps):
+    shared = case_of(flows=BOTH, solver={"threads": 3})
+    for one, other in zip(values_of(shared), steps, strict=True):
+        assert_same(one, other.values)
+    assert_same(constants_of(shared), constants_of(case))
 
 
 def test_names_are_those_of_the_schema(case, steps):
-    known = set(VARIABLES) | set(COORDINATES)
     names = {name.rpartition("/")[2] for step in steps for name in step.values}
-    names |= {name.rpartition("/")[2] for name in run.constants(case, realise(case))}
-    assert names <= known
+    names |= {name.rpartition("/")[2] for name in constants_of(case)}
+    assert names <= set(VARIABLES) | set(COORDINATES)
     groups = {name.rpartition("/")[0] for name in steps[0].values}
     assert groups == {"", "persson", "gap_flow", "gap_flow/loading", "gap_flow/unloading", "edge_flow"}
     assert len(steps) == len(case.path) == 3
     assert all(step.values.keys() == steps[0].values.keys() for step in steps)
 
 
-def assert_load_is_carried(values, applied):
-    assert values["contact_stress"] > 0 > values["edge_stress"]
-    assert values["contact_stress"] + values["edge_stress"] == pytest.approx(applied, rel=1e-3)
-    assert values["persson/stress_balance"] == pytest.approx(1, abs=1e-3)
-
-
-def test_load_is_carried_where_adhesion_is_strong():
-    case = persson_of(
-        surface={"size": "1040 angstrom"},
-        interaction={"work_of_adhesion": "5.54 J/m^2"},
-        loading={"path": ["0.1 GPa"], "unload": False},
-    )
-    (step,) = steps_of(case)
-    assert step.values["contact_stress"] > 20e8
-    assert_load_is_carried(step.values, 1e8)
-
-
-def test_a_state_whose_stresses_do_not_balance_is_flagged_with_a_remedy(monkeypatch):
-    diffuse = persson.diffuse
-    monkeypatch.setattr(persson, "diffuse", lambda *given: dataclasses.replace(diffuse(*given), edge_stress=0.0))
-    with pytest.warns(NotConverged, match="times the pressure"):
-        (step,) = steps_of(persson_of(loading={"path": ["1 GPa"], "unload": False}))
-    assert not step.values["persson/converged"]
-    assert step.values["persson/stress_balance"] == pytest.approx(step.values["contact_stress"] / 1e9)
-    assert "use more cells" in step.values["persson/message"]
-
-
 def test_values_are_consistent(case, steps):
+    spectrum, bins = realise(case).spectrum, bins_of_case(case)
+    factor = true_area_factor(np.array(spectrum.rms_slope))
     for (applied, _), step in zip(case.path, steps, strict=True):
         values = step.values
+        area = values["persson/relative_contact_area"]
         assert values["persson/converged"]
         assert values["persson/mean_pressure"] == applied
-        assert_load_is_carried(values, applied)
-        area = np.sum(values["persson/pressure_pdf"]) * np.diff(bins_of_case(case).pressure_edges)[0]
-        # The root's distribution is that of the contact, without the δ of non-contact; of it, the bins leave out what
-        # is under more tension than the law can exert, since the paper's detachment stress is not capped.
-        assert area == pytest.approx(values["persson/relative_contact_area"], rel=0.01)
-        assert values["relative_contact_area_at"][-1] == pytest.approx(
-            values["persson/relative_contact_area"], rel=1e-12
-        )
+        assert values["contact_stress"] > 0 > values["edge_stress"]
+        assert values["contact_stress"] + values["edge_stress"] == pytest.approx(applied, rel=1e-3)
+        assert values["persson/stress_balance"] == pytest.approx(1, abs=1e-3)
+        # The distribution is that of the contact, without the δ of non-contact; of it, the bins leave out what is under
+        # more tension than the law can exert, since the paper's detachment stress is not capped.
+        held = np.sum(values["persson/pressure_pdf"]) * np.diff(bins.pressure_edges)[0]
+        assert held == pytest.approx(area, rel=0.01)
+        assert values["relative_contact_area_at"][-1] == pytest.approx(area, rel=1e-12)
+        assert values["persson/interaction_energy"] == pytest.approx(-1.4 * area * factor, rel=1e-6)
+        assert 0 < values["persson/elastic_energy"] < spectrum.full_contact_energy(case.solid.stiffness)
         assert values["gap_flow/mean_pressure"] == pytest.approx(applied, rel=1e-9)
         # Mean traction and slope of the energy balance to second order in the gap's nodes: 1e-6 of the modulus here.
         assert values["gap_flow/residual"] < 1e-5
         # The spline's root is found between points of its slope, 16 from one mean gap to the next.
         assert values["edge_flow/mean_pressure"] == pytest.approx(applied, rel=1e-3)
         assert values["edge_flow/converged"]
-        for theory in ("gap_flow", "edge_flow"):
+        for theory in BOTH:
             for name in ("pressure_pdf", "gap_pdf"):
-                edges = bins_of_case(case).edges_of[name]
-                assert np.sum(values[f"{theory}/{name}"] * np.diff(edges)) == pytest.approx(1, abs=2e-3)
+                whole = np.sum(values[f"{theory}/{name}"] * np.diff(bins.edges_of[name]))
+                assert whole == pytest.approx(1, abs=2e-3)
+    # Persson's theory has one state at each pressure above zero, up to the iteration's tolerance.
+    name = "relative_contact_area"
+    assert steps[2].values[f"persson/{name}"] == pytest.approx(steps[0].values[f"persson/{name}"], rel=1e-4)
+    assert steps[2].values[f"gap_flow/loading/{name}"] == steps[0].values[f"gap_flow/loading/{name}"]
+
+
+def test_a_state_whose_stresses_do_not_balance_is_flagged_with_a_remedy(monkeypatch):
+    diffuse = persson.diffuse
+    monkeypatch.setattr(persson, "diffuse", lambda *given: dataclasses.replace(diffuse(*given), edge_stress=0.0))
+    with pytest.warns(NotConverged, match="times the pressure"):
+        (values,) = values_of(case_of("1 GPa"))
+    assert not values["persson/converged"]
+    assert values["persson/stress_balance"] == pytest.approx(values["contact_stress"] / 1e9)
+    assert values["persson/message"].startswith("contact and edges carry")
+    assert "use more cells" in values["persson/message"]
 
 
 def test_work_of_the_pressure_is_the_energy_stored():
-    loading = {"path": ["2 GPa", "2.02 GPa", "2.04 GPa"], "unload": False}
-    steps = steps_of(case_of(loading=loading, theory={"flows": "gap_flow"}))
+    found = values_of(case_of("2 GPa", "2.02 GPa", "2.04 GPa", flows="gap_flow"))
     for group in ("persson/", "gap_flow/", "gap_flow/loading/", "gap_flow/unloading/"):
-        one, _, other = ({name: step.values[group + name] for name in ENERGIES} for step in steps)
+        one, _, other = ({name: values[group + name] for name in ENERGIES} for values in found)
         stored = sum(other[name] - one[name] for name in ENERGIES[2:])
         work = -2.02e9 * (other["mean_gap"] - one["mean_gap"])
         # Differences over 2 % in pressure of numbers good to 1e-5 or better, the trapezoidal rule to 1e-4.
         assert stored == pytest.approx(work, rel=0.01), group
 
 
-def test_energies_of_perssons_theory(case, steps):
-    spectrum = realise(case).spectrum
-    values = steps[0].values
-    gained = 1.4 * values["persson/relative_contact_area"] * true_area_factor(np.array(spectrum.rms_slope))
-    assert values["persson/interaction_energy"] == pytest.approx(-gained, rel=1e-6)
-    assert 0 < values["persson/elastic_energy"] < spectrum.full_contact_energy(case.solid.stiffness)
-
-
-def test_both_ways_agree_under_pressure(steps):
-    # Persson's theory has one state at each pressure above zero, up to the iteration's tolerance.
-    there, back = steps[0].values, steps[2].values
-    assert back["persson/relative_contact_area"] == pytest.approx(there["persson/relative_contact_area"], rel=1e-4)
-    assert back["gap_flow/loading/relative_contact_area"] == there["gap_flow/loading/relative_contact_area"]
-
-
 def test_restart_gives_the_same_bits(case, steps):
-    resumed = steps_of(case, restart=steps[0].restart, start=1)
-    assert len(resumed) == len(steps) - 1
-    for step, again in zip(steps[1:], resumed, strict=True):
-        for name, value in step.values.items():
-            assert np.array_equal(value, again.values[name], equal_nan=not isinstance(value, str)), name
+    resumed = values_of(case, restart=steps[0].restart, start=1)
+    for values, again in zip(steps[1:], resumed, strict=True):
+        assert_same(again, values.values)
 
 
 def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
-    gap = steps[0].values["persson/mean_gap"]
-    loading = {"control": "gap", "path": [gap, 2e-8, -1e-11], "unload": False}
-    step = steps_of(case_of(loading=loading, theory={"flows": "gap_flow"}))
+    there = steps[0].values
+    gap = {"loading": {"control": "gap"}}
+    found = values_of(
+        case_of(there["persson/mean_gap"], 2e-8, -1e-11, flows="gap_flow", theory={"magnifications": 3}, **gap)
+    )
     # The curve down to another lowest pressure has other nodes: its own accuracy.
-    assert step[0].values["persson/mean_pressure"] == pytest.approx(1e9, rel=2e-3)
-    assert step[1].values["gap_flow/relative_contact_area"] < 1e-12
-    assert not step[2].values["persson/converged"]
-    assert "no pressure" in step[2].values["persson/message"]
-    assert step[2].values["gap_flow/relative_contact_area"] > 0.9
+    assert found[0]["persson/mean_pressure"] == pytest.approx(1e9, rel=2e-3)
+    assert found[1]["gap_flow/relative_contact_area"] < 1e-12
+    assert not found[2]["persson/converged"]
+    assert "no pressure" in found[2]["persson/message"]
+    assert found[2]["gap_flow/relative_contact_area"] > 0.9
+    assert found[2]["pressure_pdf_at"].shape[0] == 3
+    assert np.isnan(found[2]["pressure_pdf_at"]).all()
     for theory, accuracy in (("gap_flow", 1e-6), ("edge_flow", 2e-3)):  # other mean gaps under the spline
-        flow_gap = steps[0].values[f"{theory}/mean_gap"]
-        loading = {"control": "gap", "path": [flow_gap], "unload": False}
-        step = steps_of(case_of(loading=loading, theory={"flows": theory}))
-        assert step[0].values[f"{theory}/mean_pressure"] == pytest.approx(1e9, rel=accuracy)
-        areas = [values[f"{theory}/relative_contact_area"] for values in (step[0].values, steps[0].values)]
-        assert areas[0] == pytest.approx(areas[1], rel=accuracy)
+        (values,) = values_of(case_of(there[f"{theory}/mean_gap"], flows=theory, **gap))
+        assert values[f"{theory}/mean_pressure"] == pytest.approx(1e9, rel=accuracy)
+        area = f"{theory}/relative_contact_area"
+        assert values[area] == pytest.approx(there[area], rel=accuracy)
 
 
 def test_what_the_edge_flow_does_not_find_is_said(case):
-    surface = realise(case)
-    flow = edge_flow(surface.spectrum, case.solid, case.law, gaps=60, scales=16, iterations=3)
+    flow = edge_flow(realise(case).spectrum, case.solid, case.law, gaps=60, scales=16, iterations=3)
     with pytest.warns(NotConverged, match=r"edge flow: \d+ of \d+ mean gaps"):
         found = gap_paths._edge_flow_values(case, flow, BackgroundExecutor(1), 0)
     values = [found(number) for number in range(len(case.path))]
     assert not any(step["edge_flow/converged"] for step in values)
-    beyond = [step for step in values if np.isnan(step["edge_flow/mean_pressure"])]
-    assert beyond, "the curve ends early"
-    assert np.isnan(beyond[0]["edge_flow/relative_contact_area"])
-    said = beyond[0]["edge_flow/message"]
+    beyond = next(step for step in values if np.isnan(step["edge_flow/mean_pressure"]))
+    assert np.isnan(beyond["edge_flow/relative_contact_area"])
+    said = beyond["edge_flow/message"]
     assert "adhesion is too strong for the edge flow (0.1 of the energy of full contact" in said
     assert "softening 0.58 times the finest wave's stiffness); use a lower pressure" in said
     with pytest.raises(ValueError, match=r"too strong for the edge flow \(0\.1 of the energy"):
         flow.at_pressure(1e13)
 
 
-def test_large_gaps_take_light_loads():
+def test_large_gaps_take_light_loads_unless_adhesion_never_opens_them():
     """The first sweep ends at 6 h_rms or so; the gap beyond is found by going on to a lower pressure."""
-    case = persson_of(
-        interaction={"work_of_adhesion": "0.01 J/m^2"},
-        loading={"control": "gap", "path": ["45 angstrom"], "unload": False},
-    )
-    (step,) = steps_of(case)
-    assert step.values["persson/converged"]
-    spectrum, modulus = realise(case).spectrum, case.material.contact_modulus
-    decay, prefactor = closed_forms.low_pressure_asymptote(spectrum, modulus)
+    gap = {"loading": {"control": "gap"}}
+    case = case_of("45 angstrom", interaction={"work_of_adhesion": "0.01 J/m^2"}, **gap)
+    (values,) = values_of(case)
+    assert values["persson/converged"]
+    decay, prefactor = closed_forms.low_pressure_asymptote(realise(case).spectrum, case.material.contact_modulus)
     # Adhesion this weak moves the separation by less than a tenth of its decay length.
-    assert step.values["persson/mean_pressure"] == pytest.approx(prefactor * np.exp(-45e-10 / decay), rel=0.1)
-
-
-def test_gap_that_strong_adhesion_never_opens_is_said():
-    """Where everything sticks the theory's gap stays small down to no pressure: an answer, not a failure."""
-    case = persson_of(
-        surface={"rms_height": "4 angstrom"},
-        interaction={"work_of_adhesion": "4.1 J/m^2"},
-        loading={"control": "gap", "path": ["6 angstrom"], "unload": False},
-    )
-    (step,) = steps_of(case)
-    assert not step.values["persson/converged"]
-    assert "no pressure" in step.values["persson/message"]
+    assert values["persson/mean_pressure"] == pytest.approx(prefactor * np.exp(-45e-10 / decay), rel=0.1)
+    strong = {"surface": {"rms_height": "4 angstrom"}, "interaction": {"work_of_adhesion": "4.1 J/m^2"}}
+    (values,) = values_of(case_of("6 angstrom", **strong, **gap))
+    assert not values["persson/converged"]
+    assert "no pressure" in values["persson/message"]
 
 
 def test_tension_follows_the_adhered_branch_and_detaches():
     case = case_of(
-        interaction={"work_of_adhesion": "14 J/m^2"},
-        loading={"path": ["1 GPa", "-1 GPa", "-30 GPa", "-1 GPa"], "unload": False},
-        theory={"flows": "gap_flow"},
+        "1 GPa", "-1 GPa", "-30 GPa", "-1 GPa", flows="gap_flow", interaction={"work_of_adhesion": "14 J/m^2"}
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        pressed, pulled, lost, after = (step.values for step in steps_of(case))
+        pressed, pulled, lost, after = values_of(case)
     assert 0 < pulled["persson/relative_contact_area"] < pressed["persson/relative_contact_area"]
     assert not pulled["persson/detached"]
-    assert lost["persson/detached"]
     assert after["persson/detached"]  # what has come off stays off without pressure
-    assert np.isnan(pulled["persson/mean_gap"])
     # A block that has come off is the same in every model, but that this theory has no mean gap under tension.
+    assert np.isnan(pulled["persson/mean_gap"])
     assert np.isnan(lost["persson/mean_gap"])
-    for group, quantities in (
-        ("persson/", ()),
-        ("gap_flow/", ("relative_repulsive_area", "gap_pdf")),
-    ):
+    assert lost["gap_flow/mean_gap"] == np.inf
+    shared = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "residual")
+    for group, quantities in (("persson/", ()), ("gap_flow/", ("relative_repulsive_area", "gap_pdf"))):
         assert lost[group + "converged"]
         assert lost[group + "detached"]
-        shared = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "residual")
         for name in (*shared, "pressure_pdf", *quantities):
             assert not np.any(lost[group + name]), name
-        assert lost.keys() == pulled.keys()
-        for name, value in pulled.items():
-            assert np.shape(lost[name]) == np.shape(value), name
     for name in ("edge_stress", "contact_stress", "relative_contact_area_at", "detachment_stress"):
         assert not np.any(lost[name]), name
-    assert lost["gap_flow/mean_gap"] == np.inf
-
-
-def test_flow_whose_steps_did_not_converge_is_flagged(case):
-    flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law, iterations=3)
-    for state in case_theories._states_along(case, flow):
-        assert not gap_paths._gap_flow_values(case, flow, state)["gap_flow/converged"]
+    assert {name: np.shape(value) for name, value in lost.items()} == {k: np.shape(v) for k, v in pulled.items()}
 
 
 def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
-    case = case_of(loading={"path": ["1 GPa", "-2 GPa"], "unload": False}, theory={"flows": "gap_flow"})
+    case = case_of("1 GPa", "-2 GPa", flows="gap_flow")
 
     def loading_cut_short(*arguments):
         return gap_flow(*arguments, iterations=3 if "loading" in arguments else 60)
@@ -295,38 +254,38 @@ def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NegativeSeparation)
         with pytest.warns(NotConverged, match=r"gap flow, loading: \d+ of \d+ steps of the roughness"):
-            held, lost = (step.values for step in steps_of(case))
+            held, lost = values_of(case)
     assert lost["gap_flow/loading/detached"]
     for values in (held, lost):
-        assert not values["gap_flow/loading/converged"]
-        assert values["gap_flow/converged"]
-        assert values["gap_flow/unloading/converged"]
+        flags = [values[f"gap_flow/{branch}converged"] for branch in ("loading/", "", "unloading/")]
+        assert flags == [False, True, True]
     with pytest.warns(NotConverged, match="gap flow, loading"):  # its pull-off pressure rests on the same steps
-        run.constants(case, realise(case))
+        constants_of(case)
 
 
-def test_two_spectra_stand_side_by_side_and_are_those_of_one_alone(case, steps):
-    both = case_of(theory={"spectrum": ["analytic", "surface"]})
+def test_two_spectra_stand_side_by_side_and_are_those_of_one_alone():
+    kinds = ["analytic", "surface"]
+    weak = {"interaction": {"work_of_adhesion": "0.3 J/m^2"}}  # quickly solved
+    both, *alone = (
+        case_of("1 GPa", "2 GPa", flows=BOTH, theory={"spectrum": kind}, **weak) for kind in (kinds, *kinds)
+    )
     found = steps_of(both)
-    own = steps_of(case_of(theory={"spectrum": "surface"}))
-    for step, target, measured in zip(found, steps, own, strict=True):
-        labelled = {name for name in target.values if "/" in name}
-        for name, value in target.values.items():
-            assert np.array_equal(step.values[name], value, equal_nan=not isinstance(value, str)), name
-        for name in labelled:
-            other = step.values[name.replace("/", "@surface/", 1)]
-            assert np.array_equal(other, measured.values[name], equal_nan=not isinstance(other, str)), name
-        assert len(step.values) == len(target.values) + len(labelled)
-        assert step.values["edge_flow@surface/mean_gap"] != step.values["edge_flow/mean_gap"]
-    values = run.constants(both, realise(both))
-    assert "persson@surface/pull_off_pressure" in values  # nothing sticks in it
-    for theory in ("gap_flow", "edge_flow"):
-        assert values[f"{theory}@surface/pull_off_pressure"] != values[f"{theory}/pull_off_pressure"]
-    alone = persson_of(theory={"spectrum": ["analytic", "surface"]})
-    resumed = steps_of(alone, restart=found[0].restart, start=1)
-    for step, again in zip(found[1:], resumed, strict=True):
-        for name in ("persson/relative_contact_area", "persson@surface/relative_contact_area"):
-            assert step.values[name] == again.values[name]
+    for step, target, measured in zip(found, *map(values_of, alone), strict=True):
+        assert_same(step.values, target)
+        labelled = [name for name in measured if "/" in name]
+        assert_same({name: step.values[name.replace("/", "@surface/", 1)] for name in labelled}, measured, labelled)
+        assert len(step.values) == len(target) + len(labelled)
+        assert measured["edge_flow/mean_gap"] != target["edge_flow/mean_gap"]
+    (resumed,) = values_of(both, restart=found[0].restart, start=1)
+    assert_same(resumed, found[1].values)
+    constants = constants_of(both)
+    assert_same(constants, constants_of(alone[0]))
+    assert constants["rms_height"] == pytest.approx(1e-9, rel=1e-9)
+    measured = constants_of(alone[1])
+    assert measured["rms_height"] == pytest.approx(realise(both).rms_height, rel=1e-9)
+    for theory in ("persson", *BOTH):
+        name = f"{theory}/pull_off_pressure"
+        assert constants[name.replace("/", "@surface/")] == measured[name]
 
 
 def test_a_warning_names_its_spectrum_once_a_cause_where_there_are_several():
@@ -334,14 +293,15 @@ def test_a_warning_names_its_spectrum_once_a_cause_where_there_are_several():
 
     def heard(*asked):
         case = case_of(
+            "70 GPa",
+            "0.1 GPa",
             interaction={"work_of_adhesion": "8 J/m^2"},
             solver={"max_iterations": 5},
-            loading={"path": ["70 GPa", "0.1 GPa"], "unload": False},
-            theory={"spectrum": list(asked), "flows": "none"},
+            theory={"spectrum": list(asked)},
         )
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            run.constants(case, realise(case))
+            constants_of(case)
             steps_of(case)
         return [(item.category, str(item.message)) for item in caught]
 
@@ -355,19 +315,14 @@ def test_a_warning_names_its_spectrum_once_a_cause_where_there_are_several():
     assert all(words.startswith("spectrum ") for _, words in both)
 
 
-@pytest.mark.parametrize("asked", ["gap_flow", "edge_flow", "none", ["edge_flow", "gap_flow"]])
+@pytest.mark.parametrize("asked", ["gap_flow", "none"])
 def test_theories_that_are_not_asked_for_are_left_out_and_the_others_as_ever(steps, asked):
-    chosen = case_of(theory={"flows": asked})
-    left = {"persson", *([asked] if isinstance(asked, str) else asked)} - {"none"}
-    found = steps_of(chosen)
-    assert {labels[0] for step in found for key in step.values if (labels := quantity_of(key)[0])} == left
-    shared = [key for key in steps[0].values if not (labels := quantity_of(key)[0]) or labels[0] in left]
-    for one, other in zip(found, steps, strict=True):
-        for key in shared:
-            if not callable(other.values[key]):
-                np.testing.assert_array_equal(one.values[key], other.values[key], err_msg=key)
-    constants = run.constants(chosen, realise(chosen))
-    pulls = {key.partition("/")[0] for key in constants if key.endswith("/pull_off_pressure")}
+    chosen = case_of(flows=asked)
+    left = {"persson", asked} - {"none"}
+    for values, other in zip(values_of(chosen), steps, strict=True):
+        assert {labels[0] for key in values if (labels := quantity_of(key)[0])} == left
+        assert_same(values, other.values, values)
+    pulls = {key.partition("/")[0] for key in constants_of(chosen) if key.endswith("/pull_off_pressure")}
     assert pulls == left
 
 
@@ -394,11 +349,28 @@ def test_bad_spectra_and_theories_are_named(keys, message):
         case_of(theory=keys)
 
 
-def test_spectra_are_a_word_or_a_list():
+def test_spectra_are_a_word_or_a_list_and_the_surface_s_own_comes_first():
     assert case_of(theory={"spectrum": ["surface"]}).theory.spectra == ("surface",)
     assert case_of(theory={"spectrum": "analytic, surface"}).theory.spectra == ("analytic", "surface")
-    with pytest.raises(InputError, match="analytic"):
-        run.check(case_of(surface={"kind": "wavy", "amplitude": "1 nm"}, theory={"spectrum": ["surface", "analytic"]}))
+    named = copy.deepcopy(STUDY)
+    named.pop("theory")
+    assert make_study(named).cases[0].spectra == ("surface", "analytic")
+    of_another_kind(named)
+    named["surface"] |= {"kind": "wavy", "amplitude": "1 nm"}
+    (wavy,) = make_study(named).cases
+    assert wavy.spectra == ("surface",), "a wave has no target"
+    run.check(wavy)
+
+
+def test_surfaces_without_spectrum_are_refused():
+    wave = {"kind": "wavy", "amplitude": "1 nm"}
+    for surface, spectrum, words in (
+        (wave, "analytic", r"theory\.spectrum"),
+        (wave, ["surface", "analytic"], "analytic"),
+        ({"kind": "flat"}, "analytic", r"surface\.kind"),
+    ):
+        with pytest.raises(InputError, match=words):
+            run.check(case_of(surface=surface, theory={"spectrum": spectrum}))
 
 
 def test_a_table_of_the_target_is_the_target(case, steps):
@@ -406,35 +378,34 @@ def test_a_table_of_the_target_is_the_target(case, steps):
     corners = np.array([target.low, target.roll_off, target.cutoff])
     table = {"spectrum": "table", "wavevectors": [f"{q * 1e-10:.15g} angstrom^-1" for q in corners]}
     table["density"] = [f"{c * 1e40:.15g} angstrom^4" for c in target.density(corners)]
-    (step,) = steps_of(case_of(theory=table, loading={"path": ["1 GPa"], "unload": False}))
-    for theory in ("persson", "gap_flow", "edge_flow"):
-        for name in ("relative_contact_area", "mean_gap"):
-            # Bands that do not hold the corner; resolution of the theories, and a shorter curve of the edge flow.
-            expected = pytest.approx(steps[0].values[f"{theory}/{name}"], rel=1e-3)
-            assert step.values[f"{theory}/{name}"] == expected, (theory, name)
+    (values,) = values_of(case_of("1 GPa", theory=table))
+    for name in ("persson/relative_contact_area", "persson/mean_gap"):
+        # Bands that do not hold the corner; resolution of the theories.
+        assert values[name] == pytest.approx(steps[0].values[name], rel=1e-3)
 
 
-def test_criteria_of_sticking_are_constants_of_the_case(case):
-    found = run.constants(case, realise(case))
+def test_criteria_of_sticking_and_pull_off_are_constants_of_the_case(case):
+    found = constants_of(case)
     expected = stickiness(realise(case).spectrum, case.solid, case.law)
     assert found["bearing_area_ratio"] == expected.bearing_area
     assert found["local_tabor_number"].shape == found["wavevector"].shape
     assert found["local_tabor_number"][-1] == pytest.approx(found["finest_tabor_number"], rel=1e-12)
-    wall = case_of(interaction={"law": "hard_wall"})
-    assert "bearing_area_ratio" not in run.constants(wall, realise(wall))
-
-
-def test_pull_off_of_every_theory_is_a_constant(case):
-    found = run.constants(case, realise(case))
-    flow = edge_flow(realise(case).spectrum, case.solid, case.law)
-    # Two curves with other ends.
-    assert found["edge_flow/pull_off_pressure"] == pytest.approx(flow.pull_off_pressure, rel=1e-2)
     assert found["gap_flow/pull_off_pressure"] < found["edge_flow/pull_off_pressure"] < 0
+    assert found["persson/pull_off_pressure"] == found["energy_defect"] == 0
+
+
+def test_hard_wall_has_persson_only():
+    case = case_of(flows=BOTH, interaction={"law": "hard_wall"})
+    values = values_of(case)[0]
+    assert not any("flow" in name for name in values)
+    assert values["persson/interaction_energy"] == 0
+    assert 0 < values["persson/relative_contact_area"] < 1
+    assert "bearing_area_ratio" not in constants_of(case)
 
 
 def test_distribution_that_lost_area_is_not_converged(case):
-    flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law)
-    (state,) = flow.states(np.array([flow.gap_at(1e9)]))
+    flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law, gaps=200, scales=100)
+    state = flow.at_pressure(1e9)
     assert state.quantities()["converged"]
     for weights in (0.999 * state.weights, np.roll(state.weights, 1)):
         assert not dataclasses.replace(state, weights=weights).quantities()["converged"]
@@ -442,131 +413,57 @@ def test_distribution_that_lost_area_is_not_converged(case):
 
 def test_gap_that_rests_on_unconverged_states_is_flagged():
     # Strong adhesion: 5 iterations at 0.1 GPa and 3 at 70 GPa, but 10 to 14 from 1 to 3 GPa.
-    case = persson_of(
-        interaction={"work_of_adhesion": "8 J/m^2"},
-        solver={"max_iterations": 8},
-        loading={"path": ["70 GPa", "0.1 GPa"], "unload": False},
-    )
+    case = case_of("70 GPa", "0.1 GPa", interaction={"work_of_adhesion": "8 J/m^2"}, solver={"max_iterations": 8})
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NegativeSeparation)
         with pytest.warns(NotConverged, match="mean gap"):
-            heavy, light = (step.values for step in steps_of(case))
+            heavy, light = values_of(case)
     assert heavy["persson/converged"]
     assert light["persson/iterations"] < 8
     assert not light["persson/converged"]
     assert "mean gap" in light["persson/message"]
 
 
-def test_tolerance_of_the_case_is_that_of_the_state(steps):
+def test_tolerance_of_the_case_is_that_of_the_state():
     # 1 GPa is a state of the separation curve, from which it starts solved.
-    tight = persson_of(solver={"tolerance": 1e-11}, loading={"path": ["1 GPa", "2 GPa"], "unload": False})
-    loose = persson_of(loading={"path": ["1 GPa", "2 GPa"], "unload": False})
-    values, others = steps_of(tight)[1].values, steps_of(loose)[1].values
-    assert values["persson/converged"]
-    assert values["persson/residual"] <= 1e-11 < others["persson/residual"] <= 1e-8
-    assert values["persson/iterations"] > others["persson/iterations"]
-
-
-def test_measured_spectrum_replaces_the_target(case, steps):
-    measured = persson_of(theory={"spectrum": "surface"})
-    values = run.constants(measured, realise(measured))
-    assert values["rms_height"] == pytest.approx(realise(measured).rms_height, rel=1e-9)
-    assert run.constants(case, realise(case))["rms_height"] == pytest.approx(1e-9, rel=1e-9)
-    other = steps_of(measured)[0].values
-    assert other["persson/relative_contact_area"] != pytest.approx(
-        steps[0].values["persson/relative_contact_area"], rel=1e-3
+    (_, tight), (_, loose) = (
+        values_of(case_of("1 GPa", "2 GPa", solver=solver)) for solver in ({"tolerance": 1e-11}, {})
     )
+    assert tight["persson/converged"]
+    assert tight["persson/residual"] <= 1e-11 < loose["persson/residual"] <= 1e-8
+    assert tight["persson/iterations"] > loose["persson/iterations"]
 
 
-CHOICES = {
-    "energy_weight": ("wang_mueser", "energy_weight"),
-    "beta": (0.45, "beta"),
-    "true_area": ("lattice", "true_area"),
-    "alpha": (0.5, "alpha"),
-}
-
-
-@pytest.mark.parametrize("key", CHOICES)
-def test_choices_of_the_study_are_those_of_the_theory(steps, key):
-    value, attribute = CHOICES[key]
-    chosen = persson_of(theory={key: value}, loading={"path": ["1 GPa"], "unload": False})
+def test_choices_of_the_study_are_those_of_the_theory(case):
+    choices = {"energy_weight": "wang_mueser", "beta": 0.45, "true_area": "lattice", "alpha": 0.5}
+    chosen = case_of(theory=choices | {"cap_detachment_stress": True})
     theory = case_theories.case_theories(chosen, realise(chosen))[0].persson
-    assert getattr(theory, attribute) == value
-    assert getattr(PerssonTheory, attribute) != value
-    area = steps_of(chosen)[0].values["persson/relative_contact_area"]
-    assert area != pytest.approx(steps[0].values["persson/relative_contact_area"], rel=1e-3)
+    for name, value in (choices | {"stress_cap": case.law.peak_tensile_stress}).items():
+        assert getattr(theory, name) == value != getattr(PerssonTheory, name)
 
 
-def test_detachment_stress_is_capped_where_the_study_says_so(case):
-    capped = case_of(theory={"cap_detachment_stress": True})
-    assert case_theories.case_theories(capped, realise(capped))[0].persson.stress_cap == case.law.peak_tensile_stress
-    assert PerssonTheory.stress_cap == np.inf
+def test_roughness_that_adhesion_dwarfs_is_refused_and_spectra_far_above_the_law_are_said():
+    def review(**sections):
+        study = study_of(**sections)
+        return run.review(study, study.scales)
 
-
-def review(**sections):
-    table = copy.deepcopy(STUDY)
-    if "kind" in sections.get("surface", {}):
-        of_another_kind(table)
-    for name, keys in sections.items():
-        table.setdefault(name, {}).update(keys)
-    study = make_study(table)
-    return run.review(study, study.scales)
-
-
-def test_roughness_that_adhesion_dwarfs_is_refused():
     assert review() == []
-    with pytest.raises(InputError, match="the limit is 300"):
-        review(surface={"size": "3 m"})
     soft = {"material": {"youngs_modulus": "2 MPa"}, "interaction": {"work_of_adhesion": "0.05 J/m^2"}}
     assert review(surface={"size": "1 um"}, **soft) == []
     # A cap on the tension is a cap on the detachment stress.
-    with pytest.raises(InputError, match="the limit is 300"):
-        review(theory={"alpha": 1e6})
     assert review(theory={"alpha": 1e6, "cap_detachment_stress": True}) == []
-
-
-def test_spectra_far_above_the_law_are_said():
+    for refused in ({"surface": {"size": "3 m"}}, {"theory": {"alpha": 1e6}}):
+        with pytest.raises(InputError, match="the limit is 300"):
+            review(**refused)
     (note,) = review(surface={"size": "3 m", "rms_height": "3 cm"})
     assert "times interaction.length: the theories leave out all roughness below it" in note
 
 
-def test_hard_wall_has_persson_only():
-    case = case_of(interaction={"law": "hard_wall"})
-    step = steps_of(case)[0]
-    assert not any(name.startswith("gap_flow") for name in step.values)
-    assert step.values["persson/interaction_energy"] == 0
-    assert 0 < step.values["persson/relative_contact_area"] < 1
-
-
-def test_surfaces_without_spectrum_are_refused():
-    wavy = case_of(surface={"kind": "wavy", "amplitude": "1 nm"})
-    with pytest.raises(InputError, match=r"theory\.spectrum"):
-        run.check(wavy)
-    flat = case_of(surface={"kind": "flat"})
-    with pytest.raises(InputError, match=r"surface\.kind"):
-        run.check(flat)
-    run.check(case_of(surface={"kind": "wavy", "amplitude": "1 nm"}, theory={"spectrum": "surface"}))
-
-
-def test_the_surface_s_own_spectrum_comes_first_unless_others_are_named():
-    named = copy.deepcopy(STUDY)
-    named.pop("theory")
-    (case,) = make_study(named).cases
-    assert case.spectra == ("surface", "analytic")
-    of_another_kind(named)
-    named["surface"] |= {"kind": "wavy", "amplitude": "1 nm"}
-    (wavy,) = make_study(named).cases
-    assert wavy.spectra == ("surface",), "a wave has no target"
-    run.check(wavy)
-    assert case_of().spectra == ("analytic",)
-
-
 def test_a_layer_is_held_by_its_base():
     """Gaps are the theory's own; the base has moved on by the uniform compression, whose energy is the block's."""
-    thickness, pressure = 5e-9, 1e9
-    flat = {"elasticity": {"kind": "layer", "thickness": thickness}, "loading": {"path": [pressure], "unload": False}}
-    case = case_of(**flat)
-    values = steps_of(case)[0].values
+    pressure = 1e9
+    case = case_of(pressure, flows=BOTH, elasticity={"kind": "layer", "thickness": 5e-9})
+    (values,) = values_of(case)
     compliance = case.solid.mean_compliance
     assert compliance > 0
     found = [name for name in values if quantity_of(name)[1] == "mean_separation"]
@@ -574,54 +471,37 @@ def test_a_layer_is_held_by_its_base():
     for name in found:
         gap = values[name.replace("mean_separation", "mean_gap")]
         assert gap - values[name] == pytest.approx(compliance * pressure, rel=1e-9)
-    theory = case_theories.case_theories(case, realise(case))[0].persson
-    stored = theory.at_pressure(pressure).elastic_energy
-    total = values[found[0].replace("mean_separation", "elastic_energy")]
-    assert total == pytest.approx(stored + 0.5 * compliance * pressure**2, rel=1e-6)
+    stored = case_theories.case_theories(case, realise(case))[0].persson.at_pressure(pressure).elastic_energy
+    expected = stored + 0.5 * compliance * pressure**2
+    assert values["persson/elastic_energy"] == pytest.approx(expected, rel=1e-6)
 
 
 def test_stress_is_kept_at_as_many_magnifications_as_asked():
-    theory = {"magnifications": 5, "spectrum": ["analytic", "surface"]}
-    case = persson_of(theory=theory, loading={"path": ["1 GPa", "-8 GPa"], "unload": False})
-    held, lost = steps_of(case)
-    zeta = run.constants(case, realise(case))["magnification"]
+    case = case_of("1 GPa", "-8 GPa", theory={"magnifications": 5, "spectrum": ["analytic", "surface"]})
+    held, lost = values_of(case)
+    zeta = constants_of(case)["magnification"]
     np.testing.assert_allclose(zeta, 12 ** np.linspace(0.2, 1, 5), rtol=1e-9)
     edges = bins_of_case(case).pressure_edges
-    found = held.values["pressure_pdf_at"]
+    found, width = held["pressure_pdf_at"], edges[1] - edges[0]
     assert found.shape == (5, edges.size - 1)
-    wavevectors = np.geomspace(1, 12, held.values["relative_contact_area_at"].size)
-    areas = np.interp(np.log(zeta), np.log(wavevectors), held.values["relative_contact_area_at"])
-    masses = np.sum(found, axis=1) * (edges[1] - edges[0])
+    wavevectors = np.geomspace(1, 12, held["relative_contact_area_at"].size)
+    areas = np.interp(np.log(zeta), np.log(wavevectors), held["relative_contact_area_at"])
+    masses = np.sum(found, axis=1) * width
     assert masses == pytest.approx(areas, rel=0.01)  # of the interpolation between magnifications
-    # No tension of an uncapped detachment stress is left out: six deviations of the stress leave 1e-9.
-    assert masses[-1] == pytest.approx(held.values["persson/relative_contact_area"], rel=1e-6)
     # On cells of another grading: second order.
-    assert np.abs(found[-1] - held.values["persson/pressure_pdf"]).max() < 5e-3 * found[-1].max()
+    assert np.abs(found[-1] - held["persson/pressure_pdf"]).max() < 5e-3 * found[-1].max()
     # The mean stress is the load but for what edges have taken; before contact is lost anywhere it is the load.
-    centres = 0.5 * (edges[1:] + edges[:-1])
-    assert np.sum(found[0] * centres) * (edges[1] - edges[0]) == pytest.approx(1e9, rel=0.01)
-    assert not lost.values["pressure_pdf_at"].any()
-    assert "pressure_pdf_at" not in steps_of(persson_of())[0].values
-
-
-def test_stress_at_a_magnification_without_a_state_is_not_known():
-    case = persson_of(theory={"magnifications": 3}, loading={"control": "gap", "path": ["-0.05 nm"], "unload": False})
-    (step,) = steps_of(case)
-    assert np.isnan(step.values["pressure_pdf_at"]).all()
-    assert step.values["pressure_pdf_at"].shape[0] == 3
+    assert np.sum(found[0] * 0.5 * (edges[1:] + edges[:-1])) * width == pytest.approx(1e9, rel=0.01)
+    assert not lost["pressure_pdf_at"].any()
 
 
 @pytest.mark.parametrize(
-    ("loading", "words"),
+    ("control", "path", "words"),
     [
-        ({"path": ["1 GPa", "1e6 GPa"]}, r"loading\.path: 1e\+06 GPa presses .* nodes reach .* give lower pressures"),
-        (
-            {"control": "gap", "path": ["1 nm", "-0.3 nm"]},
-            r"loading\.path: a mean gap of -0\.3 nm beyond equilibrium .* nodes begin at .* at 3\.28e-10 m",
-        ),
+        ("pressure", ("1 GPa", "1e6 GPa"), r"1e\+06 GPa presses .* nodes reach .* give lower pressures"),
+        ("gap", ("1 nm", "-0.3 nm"), r"a mean gap of -0\.3 nm beyond equilibrium .* nodes begin at .* at 3\.28e-10 m"),
     ],
 )
-def test_paths_closer_than_any_contact_are_named_in_their_own_unit(loading, words):
-    case = case_of(loading={**loading, "unload": False})
-    with pytest.raises(InputError, match=words):
-        run.constants(case, realise(case))
+def test_paths_closer_than_any_contact_are_named_in_their_own_unit(control, path, words):
+    with pytest.raises(InputError, match=r"loading\.path: " + words):
+        constants_of(case_of(*path, flows="edge_flow", loading={"control": control}))
