@@ -1,8 +1,6 @@
 """Rows of a layer shared among threads, by compiled kernels that release the interpreter's lock.
 
 No row's numbers depend on the block of rows that contains it: results are bit-identical for any number of threads.
-Every thread, the caller included, takes the next block when it is free; blocks that no thread has begun when the caller
-runs out of work stay with it.
 """
 
 import os
@@ -20,25 +18,19 @@ row_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contra
 """Compile a function of rows: sums in the order written, the interpreter's lock released."""
 
 
-class ParallelRows:
-    """Apply kernels to blocks of consecutive rows, with so many threads, the caller among them."""
-
-    def __init__(self, threads: int = 1):
-        self.threads = threads
-
-    def run(self, kernel: Callable[[int, int], object], rows: int, size: int) -> None:
-        """Call ``kernel(first, end)`` for blocks of ``size`` rows, ``first`` to before ``end``, in any order."""
-        blocks = [(first, min(first + size, rows)) for first in range(0, rows, size)]
-        left = iter(blocks)
-        helpers = min(self.threads, len(blocks) // _FEWEST_BLOCKS) - 1
-        tasks = [_pool(self.threads - 1).submit(_work, kernel, left) for _ in range(helpers)]
-        try:
-            _work(kernel, left)
-        finally:
-            failures = [task.exception() for task in tasks if not task.cancel()]
-        for failure in failures:
-            if failure is not None:
-                raise failure
+def share_rows(kernel: Callable[[int, int], object], rows: int, size: int, threads: int = 1) -> None:
+    """Call ``kernel(first, end)`` for blocks of ``size`` rows in any order, with so many threads, the caller's too."""
+    blocks = [(first, min(first + size, rows)) for first in range(0, rows, size)]
+    left = iter(blocks)
+    helpers = min(threads, len(blocks) // _FEWEST_BLOCKS) - 1
+    tasks = [_pool(threads - 1).submit(_work, kernel, left) for _ in range(helpers)]
+    try:
+        _work(kernel, left)
+    finally:
+        failures = [task.exception() for task in tasks if not task.cancel()]
+    for failure in failures:
+        if failure is not None:
+            raise failure
 
 
 def _work(kernel: Callable[[int, int], object], blocks: Iterator[tuple[int, int]]) -> None:

@@ -36,9 +36,8 @@ from md_reference.block.condensed import SurfaceStiffness
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.solution import Equilibrium
 from md_reference.solution import Outcome as AtomisticOutcome
-from md_reference.statics.contact import predicted
 from md_reference.statics.newton import EquilibriumSolver
-from md_reference.study.system import build_interface, build_stiffness
+from md_reference.study.system import build_contact
 from research.two_starts import case_of
 from scripts.harness import STUDY, Option, head, program, row
 
@@ -172,7 +171,8 @@ def cosine_of_tilt(heights: np.ndarray, grid: Grid) -> np.ndarray:
 
 def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list[tuple[float, float, bool]]]:
     """Relative contact area, mean gap (m) and convergence of every model (inner) at every pressure (outer)."""
-    stiffness = build_stiffness(case)
+    contact = build_contact(case, surface)
+    stiffness, pairs = contact.block, contact.interface
     heights = surface.heights(case.lattice.atoms)
     grid = Grid(
         case.lattice.atoms, surface.size
@@ -198,7 +198,6 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
         SmearedLayers(adhesion, heights, stiffness.area_per_atom, cosine)
         for cosine in (np.ones(case.lattice.atoms), cosine_of_tilt(heights, grid))
     )
-    pairs = build_interface(case, surface)
     railed = without_lateral_freedom(stiffness)
     first = continuum(case.solid, case.law)
     shown = HalfSpace(modulus)
@@ -218,7 +217,7 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
             raise InputError(f"--pressures: {pressure:g} Pa pulls the continuum off; give a state in contact")
         states = [_of_continuum(start, case)]
         states += [_of_continuum(other.step(displacement, pressure), case) for other in continua]
-        above = predicted(heights, start.gap, pairs.length)
+        above = contact.predicted(start.gap)
         for solver in minimisers:
             states.append(_of_atoms(solver.interaction, solver.solve(above, pressure), case))
         found.append(states)

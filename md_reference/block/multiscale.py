@@ -17,7 +17,7 @@ import numpy as np
 from md_reference.block.nonlinear_slab import move_rotating_slab, rotating_slab_force
 from md_reference.block.slab import fill_ghosts, move_slab, prolong, restrict, slab_constants, slab_force
 from md_reference.block.verlet import Action, move_planes
-from md_reference.parallel_rows import ParallelRows
+from md_reference.parallel_rows import share_rows
 
 # Layers of the finest level and of the coarser ones below the last, fewest nodes of a level along an axis: E*(q) is
 # within 0.2 % of the full lattice's.
@@ -94,7 +94,7 @@ class MultiscaleBlock:
             for number, count in enumerate(layers)
         ]
         self._ends = [0, *accumulate(math.prod(level.shape) for level in self.levels)]
-        self._rows = ParallelRows(threads)
+        self._threads = threads
         self.plane_mass = [np.full(level.shape[1], level.size**3 * atom_mass) for level in self.levels]
         for number, mass in enumerate(self.plane_mass):
             mass[-1] = 0.0
@@ -247,7 +247,7 @@ class MultiscaleBlock:
     def _on_rows(self, number: int, kernel: Callable[[int, int], object]) -> None:
         """Call ``kernel(first, end)`` for all blocks of rows of a level."""
         _, _, rows, columns = self.levels[number].shape
-        self._rows.run(kernel, rows - 2, max(_TASK_ROWS, _TASK_NODES // columns))
+        share_rows(kernel, rows - 2, max(_TASK_ROWS, _TASK_NODES // columns), self._threads)
 
     def _fill_level(self, levels: list[np.ndarray], number: int) -> None:
         """Fill a level's hanging plane from the next one and its ghosts."""
@@ -257,11 +257,7 @@ class MultiscaleBlock:
 
 
 class NonlinearSpringBlock(MultiscaleBlock):
-    """A :class:`MultiscaleBlock` of central springs and cell volumes at any displacement.
-
-    Its first order is the linear block, with the same levels, masses and coupling: bilinear interpolation is exact for
-    a rigid rotation.
-    """
+    """A block of central springs and cell volumes at any displacement, whose first order is the linear one."""
 
     _force_kernel, _move_kernel = staticmethod(rotating_slab_force), staticmethod(move_rotating_slab)
 

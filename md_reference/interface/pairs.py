@@ -16,7 +16,7 @@ from scipy import optimize
 
 from contact_study.physics.lattice import Lattice
 from md_reference.interface.substrate import Substrate, sample_substrate
-from md_reference.parallel_rows import ParallelRows
+from md_reference.parallel_rows import share_rows
 
 # Below this height over the nearest site, in units of r0, an atom counts as inside the substrate: the repulsion there
 # is beyond (1/0.3)¹¹ of the law's scale, which no block can exert, and further down it would change sign.
@@ -57,6 +57,8 @@ class LennardJonesInterface:
         self.well_depth = well_depth
         self.length = length
         self.cutoff = float(cutoff)
+        # Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N).
+        self.force_prefactor = 8 * math.pi * well_depth * length / math.prod(substrate.spacing)
         reach_y, reach_x = (math.ceil(cutoff * length / b) + 1 for b in substrate.spacing)
         margin = reach_y, reach_x
         self._geometry = (
@@ -70,17 +72,15 @@ class LennardJonesInterface:
             self.cutoff,
         )
         self._no_hessian = np.empty((6, 0, 0))
-        self._rows = ParallelRows(threads)
+        self._threads = threads
         self._all = np.ones(shape, dtype=np.bool_)
         self._energy = np.empty(shape)
         self._row_inside = np.empty(shape[0], dtype=np.int64)
 
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
-        """Write the force on each atom, and its second derivatives; return the energy of all pairs (J).
+        """Write forces (N) and second derivatives (N/m: xx, yy, zz, xy, xz, yz); return the energy of all pairs (J).
 
-        ``force`` has shape (3, ny, nx) (N), ``hessian`` (6, ny, nx): xx, yy, zz, xy, xz, yz (N/m). The energy is
-        infinite, with undefined results, if an atom is less than 0.3 r0 above the site below it or has no finite
-        position.
+        It is infinite, with undefined results, if an atom is less than 0.3 r0 above the site below it or nowhere.
         """
         derivatives = self._no_hessian if hessian is None else hessian
         if not self.evaluate_some(displacement, self._all, force, derivatives, self._energy):
@@ -96,13 +96,8 @@ class LennardJonesInterface:
         """
         written = force, hessian is not self._no_hessian, hessian, energy, self._row_inside
         kernel = partial(_lennard_jones, displacement, due, *self._geometry, *written)
-        self._rows.run(kernel, self.shape[0], _TASK_ROWS)
+        share_rows(kernel, self.shape[0], _TASK_ROWS, self._threads)
         return not self._row_inside.any()
-
-    @property
-    def force_prefactor(self) -> float:
-        """Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N)."""
-        return 8 * math.pi * self.well_depth * self.length / math.prod(self.substrate.spacing)
 
     def gap(self, displacement: np.ndarray) -> np.ndarray:
         """Return each atom's height above the surface (m), shape (ny, nx)."""

@@ -14,7 +14,6 @@ from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import SurfaceStiffness, isotropic_element, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface, interface_of
 from md_reference.solution import Equilibrium, Solution
-from md_reference.statics.energy import BlockEnergy
 from md_reference.statics.newton import EquilibriumSolver
 
 _SHORTEST_CUTOFF = 2.0  # in units of r0, as atomistic.cutoff of a study
@@ -76,6 +75,7 @@ class AtomisticContact:
         self._solver = EquilibriumSolver(
             stiffness, interface, contact_modulus, control, tolerance, max_iterations, threads
         )
+        self.energy = self._solver.energy
         self._heights = interface.rest_heights()
         self._mean_height = float(np.mean(self._heights))
         self._apart = separated(interface)
@@ -84,19 +84,15 @@ class AtomisticContact:
         """Return the displacement of the flat block just beyond the cutoff, shape (3, ny, nx) (m)."""
         return self._apart.copy()
 
-    @property
-    def energy(self) -> BlockEnergy:
-        """Energy and forces of block and interface."""
-        return self._solver.energy
-
     def is_separated(self, state: np.ndarray) -> bool:
         """Return whether a state is :meth:`separated`."""
         return bool(np.array_equal(state, self._apart))
 
     def predicted(self, gap: np.ndarray) -> np.ndarray:
-        """Return a start with nearly this gap field, of any grid over the same rectangle (m)."""
-        start = predicted(self._heights, gap, self.interface.length)
-        start[2] = np.maximum(start[2], self.interface.floor(start) + 0.5 * self.interface.length)
+        """Return a start at rest laterally, with nearly this gap field, of any grid over the same rectangle (m)."""
+        start, lowest = np.zeros((3, *self.interface.shape)), 0.5 * self.interface.length
+        start[2] = self._heights + np.maximum(fourier.interpolate(gap, self.interface.shape), lowest)
+        start[2] = np.maximum(start[2], self.interface.floor(start) + lowest)
         return start
 
     @in_turn
@@ -249,16 +245,6 @@ def separated(interface: LennardJonesInterface) -> np.ndarray:
     """Return a flat layer of atoms just beyond the cutoff from the highest site, shape (3, ny, nx) (m)."""
     displacement = np.zeros((3, *interface.shape))
     displacement[2] = np.max(interface.substrate.heights) + (1 + 1e-6) * interface.cutoff * interface.length
-    return displacement
-
-
-def predicted(heights: np.ndarray, gap: np.ndarray, length: float) -> np.ndarray:
-    """Return atoms at rest laterally, over the surface's ``heights`` there by a ``gap`` field of any grid (m).
-
-    The gap is interpolated trigonometrically and not below half of r0, ``length``.
-    """
-    displacement = np.zeros((3, *heights.shape))
-    displacement[2] = heights + np.maximum(fourier.interpolate(gap, heights.shape), 0.5 * length)
     return displacement
 
 

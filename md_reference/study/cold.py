@@ -1,37 +1,25 @@
 """Paths at zero temperature: the minimum reached from the state before, or steepest descent against friction."""
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
-
-import numpy as np
 
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results import overdamped_path
-from contact_study.results.state import Ensemble, InterfaceState
+from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 from md_reference.statics.contact import AtomisticContact
 from md_reference.statics.overdamped import Moved, OverdampedBlock
-from md_reference.study.system import Predictor, build_contact, interface_state
+from md_reference.study.system import Predictor, Restart, States, build_contact, interface_state
 
 
-def quasi_static(
-    case: Case,
-    surface: Surface,
-    restart: Mapping[str, np.ndarray] | None = None,
-    start: int = 0,
-    predictor: Predictor | None = None,
-) -> Iterator[InterfaceState]:
-    """Yield equilibria along the loading path, see :data:`md_reference.study.system.Method`."""
+def quasi_static(case: Case, surface: Surface, restart: Restart, start: int, predictor: Predictor) -> States:
+    """Yield equilibria along the loading path."""
     return equilibria(case, build_contact(case, surface), restart, start, predictor)
 
 
 def equilibria(
-    case: Case,
-    contact: AtomisticContact,
-    restart: Mapping[str, np.ndarray] | None = None,
-    start: int = 0,
-    predictor: Predictor | None = None,
+    case: Case, contact: AtomisticContact, restart: Restart, start: int, predictor: Predictor
 ) -> Iterator[InterfaceState]:
     """Yield the equilibria of a contact along the loading path.
 
@@ -73,14 +61,8 @@ class OverdampedAtoms(OverdampedBlock):
         return interface_state(self._case, self._contact.solution(equilibrium))
 
 
-def overdamped(
-    case: Case,
-    surface: Surface,
-    restart: Mapping[str, np.ndarray] | None = None,
-    start: int = 0,
-    predictor: Predictor | None = None,
-) -> Iterator[Ensemble]:
-    """Yield the states of each point, the last of them at rest, see :data:`md_reference.study.system.Method`."""
+def overdamped(case: Case, surface: Surface, restart: Restart, start: int, predictor: Predictor) -> States:
+    """Yield the states of each point, the last of them at rest."""
     pace = overdamped_path.pace_of(case, surface.size)
     moving = OverdampedAtoms(case, build_contact(case, surface), pace.allowed)
     return overdamped_path.solve_path(case, moving, pace, restart, start)

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers, node_count
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.statics.contact import separated
-from md_reference.study.system import Predictor, build_interface, row_threads
+from md_reference.study.system import Predictor, Restart, States, build_interface, row_threads
 from md_reference.thermal import equilibration
 from md_reference.thermal.checkpoint import Frame, TrajectoryState
 from md_reference.thermal.equilibration import Descent, TemperatureStatistics
@@ -78,14 +78,9 @@ def check(case: Case) -> None:
         )
 
 
-def lame(case: Case) -> tuple[float, float]:
-    """Return λ and μ of the case's block (Pa)."""
-    return lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)
-
-
 def longitudinal_modulus(case: Case) -> float:
     """Return λ + 2μ, of compression without lateral strain and of the faster sound (Pa)."""
-    first, shear = lame(case)
+    first, shear = lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)
     return first + 2 * shear
 
 
@@ -106,26 +101,23 @@ def time_step(case: Case) -> float:
 
 def build_block(case: Case) -> MultiscaleBlock:
     """Return the explicit block of a case."""
-    assert case.material.atom_mass is not None
-    atoms = case.lattice.atoms
-    layers = level_layers(atoms, case.block_layers)
+    atoms, material = case.lattice.atoms, case.material
+    assert material.atom_mass is not None
+    lame, layers = (
+        lame_constants(material.youngs_modulus, material.poissons_ratio),
+        level_layers(atoms, case.block_layers),
+    )
     kind = NonlinearSpringBlock if case.atomistic.block == "nonlinear_springs" else MultiscaleBlock
-    return kind(atoms, case.lattice.constant, *lame(case), layers, case.material.atom_mass, row_threads(case))
+    return kind(atoms, case.lattice.constant, *lame, layers, material.atom_mass, row_threads(case))
 
 
-def solve_path(
-    case: Case,
-    surface: Surface,
-    restart: Mapping[str, np.ndarray] | None = None,
-    start: int = 0,
-    predictor: Predictor | None = None,
-) -> Iterator[InterfaceState | Ensemble]:
+def solve_path(case: Case, surface: Surface, restart: Restart, start: int, predictor: Predictor) -> States:
     """Yield the motion along the path: at each point its pressure acts for ``dynamics.duration``.
 
     The block starts just out of reach of the substrate, at the approach speed. Under gap control its rigid plane moves
     at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one before.
     A point's result is its last state, or, with a thermostat or without damping, the mean of the second half of its
-    states, except while the plane moves. See :data:`md_reference.study.system.Method`.
+    states, except while the plane moves.
     """
     run = _Run(case, build_interface(case, surface))
     at = run.begin(start) if restart is None else TrajectoryState.unpack(restart)

@@ -1,8 +1,6 @@
 """The atomistic model of a case: its measured constants and its states along the loading path; the command."""
 
-from collections.abc import Iterator, Mapping, Sequence
-
-import numpy as np
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from contact_study.campaign.memory import Need
 from contact_study.campaign.model import MODELS
@@ -13,7 +11,7 @@ from contact_study.physics.surfaces.surface import Surface
 from contact_study.results import overdamped_path
 from contact_study.results.constants import InterfaceConstants, heights_on
 from contact_study.results.observables.atoms import substrate_sites
-from contact_study.results.state import Ensemble, InterfaceState, Value
+from contact_study.results.state import Value
 from contact_study.study.case import Case
 from contact_study.study.checks.idle_keys import idle_motion
 from contact_study.study.checks.plausibility import contact_stress, squeeze
@@ -23,10 +21,10 @@ from md_reference.block.condensed import effective_contact_modulus
 from md_reference.interface.pairs import INSIDE, flat_adhesion
 from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.study import cold, dynamics, sampling
-from md_reference.study.system import Method, Predictor, build_stiffness
+from md_reference.study.system import Predictor, Restart, States, build_stiffness
 
-# Word of ``atomistic.method`` -> function that yields the states along the loading path.
-METHODS: Mapping[str, Method] = {
+# Word of ``atomistic.method`` -> function of case, surface, restart, first point and predictor.
+METHODS: Mapping[str, Callable[[Case, Surface, Restart, int, Predictor], States]] = {
     "quasi_static": cold.quasi_static,
     "overdamped": cold.overdamped,
     "sampling": sampling.solve_path,
@@ -180,20 +178,15 @@ def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
         pixel=stiffness.lattice_constant,
         **flat_adhesion(case.lattice.site_spacing, stiffness.area_per_atom, *pairs),
     )
-    return {
+    found = {
         **known.values,
         **heights_on(stiffness.grid, heights),
-        **_surroundings(case, surface),
         "wavevector": stiffness.grid.wavenumber[0, 1:],
         "contact_modulus_at": stiffness.contact_modulus[0, 1:],
     }
-
-
-def _surroundings(case: Case, surface: Surface) -> Mapping[str, Value]:
-    """Return substrate sites, masses and levels beside the atoms that are kept one by one."""
     if case.output.atoms == "none":
-        return {}
-    found = dict(substrate_sites(surface.heights(case.lattice.substrate_sites), case.lattice.size))
+        return found
+    found |= substrate_sites(surface.heights(case.lattice.substrate_sites), case.lattice.size)
     if case.material.atom_mass is not None:
         found["atom_mass"] = case.material.atom_mass
     if case.output.atoms == "block":
@@ -203,11 +196,7 @@ def _surroundings(case: Case, surface: Surface) -> Mapping[str, Value]:
 
 
 def solve_path(
-    case: Case,
-    surface: Surface,
-    restart: Mapping[str, np.ndarray] | None = None,
-    start: int = 0,
-    predictor: Predictor | None = None,
-) -> Iterator[InterfaceState | Ensemble]:
-    """Yield states along the loading path by the case's method, see :data:`md_reference.study.system.Method`."""
+    case: Case, surface: Surface, restart: Restart = None, start: int = 0, predictor: Predictor = None
+) -> States:
+    """Yield states along the loading path, from the point ``start`` on, by the case's method."""
     return METHODS[case.atomistic.method](case, surface, restart, start, predictor)

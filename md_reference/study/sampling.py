@@ -1,7 +1,7 @@
 """Thermal averages: at each point of the path the canonical distribution about its equilibrium at zero temperature."""
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from contact_study.study.case import Case
 from md_reference.solution import Equilibrium, Outcome
 from md_reference.statics.contact import AtomisticContact
 from md_reference.study.cold import equilibria
-from md_reference.study.system import Predictor, build_contact, interface_state
+from md_reference.study.system import Predictor, Restart, States, build_contact, interface_state
 from md_reference.thermal.checkpoint import ChainState
 from md_reference.thermal.equilibration import mean_load_missing
 from md_reference.thermal.hmc import ThermalSampler
@@ -19,16 +19,10 @@ from md_reference.thermal.hmc import ThermalSampler
 _LOWEST_ACCEPTANCE = 0.1  # below which a point counts as not converged
 
 
-def solve_path(
-    case: Case,
-    surface: Surface,
-    restart: Mapping[str, np.ndarray] | None = None,
-    start: int = 0,
-    predictor: Predictor | None = None,
-) -> Iterator[InterfaceState | Ensemble]:
+def solve_path(case: Case, surface: Surface, restart: Restart, start: int, predictor: Predictor) -> States:
     """Yield thermal states about the quasi-static path, each point with independent random numbers.
 
-    A point where the surfaces are apart has one state. See :data:`md_reference.study.system.Method`.
+    A point where the surfaces are apart has one state.
     """
     contact = build_contact(case, surface)
     if restart is not None and "spectrum" in restart:

@@ -16,19 +16,13 @@ from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.solution import Solution
 from md_reference.statics.contact import AtomisticContact
 
+# InterfaceState.restart of the point before; without one the path begins from separation. That of a state within an
+# ensemble resumes its point.
+Restart = Mapping[str, np.ndarray] | None
 # Point number -> gap field (y, x) on any grid over the same rectangle (m), None if there is no such state.
-Predictor = Callable[[int], np.ndarray | None]
-
-Method = Callable[
-    [Case, Surface, Mapping[str, np.ndarray] | None, int, Predictor | None],
-    Iterator[InterfaceState | Ensemble],
-]
-"""Function of case, surface, restart, start and predictor that yields one state or ensemble per point of the path.
-
-``start`` is the first point. ``restart`` is ``InterfaceState.restart`` of the point before; without it the path begins
-from separation. The restart of a state within an ensemble resumes the point ``start`` itself. Motion has no use for a
-predictor.
-"""
+Predictor = Callable[[int], np.ndarray | None] | None
+# One state or ensemble per point of the path from a first one on. Motion has no use for a predictor.
+States = Iterator[InterfaceState | Ensemble]
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:

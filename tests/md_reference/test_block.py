@@ -5,8 +5,13 @@ import pytest
 from scipy.sparse.linalg import LinearOperator, cg
 
 from contact_study.physics.solids import contact_modulus_of
-from md_reference.block import condensed
-from md_reference.block.condensed import CORNERS, condense, effective_contact_modulus, surface_stiffness
+from md_reference.block.condensed import (
+    CORNERS,
+    SurfaceStiffness,
+    condense,
+    effective_contact_modulus,
+    surface_stiffness,
+)
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
 from md_reference.block.nonlinear_slab import rotating_slab_force
 from md_reference.block.slab import fill_ghosts, slab_constants, slab_force
@@ -101,7 +106,7 @@ def test_swapping_the_axes_swaps_the_components():
 def contact_modulus(phase, layers):
     """E*(q) of waves along x over that of the material."""
     coefficients = condense(ELEMENT, np.zeros(phase.size), phase, layers)
-    stiffness = condensed.normal_stiffness(coefficients, LATTICE_CONSTANT)
+    stiffness = SurfaceStiffness(None, LATTICE_CONSTANT, coefficients).normal_stiffness
     return contact_modulus_of(stiffness, phase / LATTICE_CONSTANT) / CONTACT_MODULUS
 
 

@@ -14,9 +14,8 @@ from contact_study.results.schema import STANDARD_ERROR, TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from md_reference.statics.contact import separated
-from md_reference.study import dynamics
 from md_reference.study.dynamics import build_block, largest_time_step, longitudinal_modulus, time_step
-from md_reference.study.model import MODEL, check
+from md_reference.study.model import MODEL, check, solve_path
 from md_reference.study.system import build_interface
 from md_reference.thermal.langevin import MolecularDynamics
 from tests.md_reference.systems import (
@@ -336,7 +335,7 @@ def test_block_beyond_the_memory_is_refused_with_what_it_needs(monkeypatch):
     surface = realise(case)
     for _ in range(2):  # the first one compiles
         tracemalloc.start()
-        for _ in next(iter(dynamics.solve_path(case, surface))).states:
+        for _ in next(iter(solve_path(case, surface))).states:
             pass
         taken = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()

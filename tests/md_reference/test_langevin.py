@@ -12,7 +12,7 @@ from contact_study.numerics.time_series import statistics_of
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.block.verlet import Action, move_planes
 from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.parallel_rows import ParallelRows
+from md_reference.parallel_rows import share_rows
 from md_reference.study.model import MODEL
 from md_reference.study.system import row_threads
 from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
@@ -241,13 +241,13 @@ def test_every_row_is_done_once(rows, size, threads):
     def kernel(first, end):
         done[first:end] += 1
 
-    ParallelRows(threads).run(kernel, rows, size)
+    share_rows(kernel, rows, size, threads)
     assert np.all(done == 1)
 
 
 def test_two_threads_work_at_once():
     both = threading.Barrier(2, timeout=30)
-    ParallelRows(2).run(lambda first, end: both.wait(), 4, 1)
+    share_rows(lambda first, end: both.wait(), 4, 1, 2)
 
 
 @pytest.mark.parametrize("place", ["caller", "helper"])
@@ -263,7 +263,7 @@ def test_what_a_thread_raises_comes_out(place):
             raise ValueError(place)
 
     with pytest.raises(ValueError, match=place):
-        ParallelRows(2).run(kernel, 4, 1)
+        share_rows(kernel, 4, 1, 2)
 
 
 @pytest.mark.parametrize("kind", [MultiscaleBlock, NonlinearSpringBlock])

@@ -13,7 +13,7 @@ from contact_study.study.case import realise
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.schema.sections import AtomisticSection
 from contact_study.study.study import Study, make_study
-from md_reference.statics.contact import at_mean_gap, predicted, separated
+from md_reference.statics.contact import at_mean_gap, separated
 from md_reference.study.model import METHODS, MODEL, check, constants, review, solve_path
 from md_reference.study.system import build_contact, build_interface, build_stiffness
 from tests.md_reference.systems import ANGSTROM, CONTACT_MODULUS, LENGTH, case_of, changed, stiffness_of
@@ -182,12 +182,14 @@ def test_starts_on_steep_flanks_have_no_atom_inside():
 
 
 def test_predicted_start_stands_above_the_surface():
-    heights = np.random.default_rng(0).standard_normal((16, 24)) * 1e-10
+    case = case_of((32, 32))
+    contact = build_contact(case, realise(case))
     gap = np.full((8, 12), 3e-10)
     gap[4, 5] = 0.0
-    u = predicted(heights, gap, LENGTH)
-    assert not u[:2].any()
-    assert (u[2] - heights).min() == pytest.approx(0.5 * LENGTH)
+    start = contact.predicted(gap)
+    assert not start[:2].any()
+    assert contact.interface.gap(start).min() == pytest.approx(0.5 * LENGTH)
+    assert contact.interface.gap(start).max() > 3e-10 - 1e-20
 
 
 def test_constants_are_measured():

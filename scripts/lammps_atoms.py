@@ -11,7 +11,7 @@ import importlib
 import re
 import sys
 import tempfile
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -103,10 +103,9 @@ def lammps_interface(
     rest = np.zeros((3, *interface.shape))
     rest[:2] = _plane(interface.shape, interface.spacing)
     height = float(np.max(displacement[2])) + 2 * interface.length
-    atoms = _Atoms(interface.shape, interface.spacing, float(np.min(interface.substrate.heights)), height)
-    atoms.add(_BOTTOM, rest + displacement)
-    atoms.add(_SUBSTRATE, _sites(interface))
-    _begin(program, atoms, 1.0, [])
+    heights = float(np.min(interface.substrate.heights)), height
+    atoms = [(_BOTTOM, rest + displacement), (_SUBSTRATE, _sites(interface))]
+    _begin(program, (interface.shape, interface.spacing), heights, atoms)
     _pairs(program, interface, style)
     # For timings: nothing moves.
     for line in (f"group moving type {_BOTTOM}", "fix move moving nve", "timestep 1e-9"):
@@ -121,9 +120,8 @@ def lammps_slab(
     program = lammps.lammps(cmdargs=["-screen", "none", "-log", "none"])
     rest = rest_positions(shape, lattice_constant)
     planes = shape[0] * lattice_constant
-    atoms = _Atoms(shape[1:], (lattice_constant, lattice_constant), -planes, 2 * planes)
-    atoms.add(_INSIDE, rest)
-    _begin(program, atoms, atom_mass, _bonds(shape))
+    cells = shape[1:], (lattice_constant, lattice_constant)
+    _begin(program, cells, (-planes, 2 * planes), [(_INSIDE, rest)], atom_mass, _bonds(shape))
     _springs(program, lattice_constant, shear_modulus)
     for line in ("pair_style zero 3.0", "pair_coeff * *", "fix move all nve", "timestep 1e-9"):
         program.command(line)
@@ -153,12 +151,10 @@ def lammps_contact(
     rest = rest_positions(shape, constant)
     positions = rest + displacement
     height = float(np.max(positions[2])) + 5 * interface.length
-    atoms = _Atoms(interface.shape, interface.spacing, float(np.min(interface.substrate.heights)), height)
-    for plane in range(planes):
-        kind = _BOTTOM if plane == 0 else _TOP if plane == planes - 1 else _INSIDE
-        atoms.add(kind, positions[:, plane])
-    atoms.add(_SUBSTRATE, _sites(interface))
-    _begin(program, atoms, atom_mass, _bonds(shape))
+    heights = float(np.min(interface.substrate.heights)), height
+    atoms = [(_BOTTOM, positions[:, 0]), (_INSIDE, positions[:, 1:-1]), (_TOP, positions[:, -1])]
+    atoms.append((_SUBSTRATE, _sites(interface)))
+    _begin(program, (interface.shape, interface.spacing), heights, atoms, atom_mass, _bonds(shape))
     _springs(program, constant, shear_modulus)
     _pairs(program, interface, "lepton")
     for line in (
@@ -182,35 +178,25 @@ def rest_positions(shape: tuple[int, int, int], lattice_constant: float) -> np.n
     return np.stack([x, y, z])
 
 
-@dataclass
-class _Atoms:
-    """Atoms for LAMMPS: cells and their edges along y and x, lowest and highest height (m)."""
+def _begin(
+    program: Any,
+    interface: tuple[tuple[int, int], tuple[float, float]],
+    heights: tuple[float, float],
+    atoms: list[tuple[int, np.ndarray]],
+    atom_mass: float = 1.0,
+    bonds: Sequence[tuple[int, int, int]] = (),
+) -> None:
+    """Set up a program in electronvolts and ångströms, periodic along x and y, with atoms and bonds.
 
-    cells: tuple[int, int]
-    spacing: tuple[float, float]
-    low: float
-    high: float
-    kinds: list[int] = field(default_factory=list)
-    positions: list[np.ndarray] = field(default_factory=list)
-
-    def add(self, kind: int, positions: np.ndarray) -> None:
-        """Add atoms of one kind at positions (m), shape (3, ...)."""
-        flat = positions.reshape(3, -1).T
-        self.kinds += [kind] * len(flat)
-        self.positions.append(flat)
-
-
-def _begin(program: Any, atoms: _Atoms, atom_mass: float, bonds: list[tuple[int, int, int]]) -> None:
-    """Set up a program in electronvolts and ångströms, periodic along x and y, with atoms and bonds."""
-    length_y, length_x = (n * edge / ANGSTROM for n, edge in zip(atoms.cells, atoms.spacing, strict=True))
-    low, high = atoms.low / ANGSTROM - 5.0, atoms.high / ANGSTROM + 5.0
-    lines = ["atoms", "", f"{len(atoms.kinds)} atoms", "4 atom types", f"{len(bonds)} bonds", "4 bond types", ""]
+    Cells and their edges along y and x, lowest and highest height (m), kinds with positions (m, shape (3, ...)).
+    """
+    length_y, length_x = (n * edge / ANGSTROM for n, edge in zip(*interface, strict=True))
+    low, high = heights[0] / ANGSTROM - 5.0, heights[1] / ANGSTROM + 5.0
+    at = [(kind, *row) for kind, x in atoms for row in (x.reshape(3, -1).T / ANGSTROM).tolist()]
+    lines = ["atoms", "", f"{len(at)} atoms", "4 atom types", f"{len(bonds)} bonds", "4 bond types", ""]
     lines += [f"0 {length_x!r} xlo xhi", f"0 {length_y!r} ylo yhi", f"{low!r} {high!r} zlo zhi", "", "Masses", ""]
     lines += [f"{kind} {atom_mass / constants.atomic_mass!r}" for kind in range(1, 5)]
-    lines += ["", "Atoms # bond", ""]
-    at = (np.concatenate(atoms.positions) / ANGSTROM).tolist()
-    for number, (kind, (x, y, z)) in enumerate(zip(atoms.kinds, at, strict=True), 1):
-        lines.append(f"{number} 1 {kind} {x!r} {y!r} {z!r}")
+    lines += ["", "Atoms # bond", "", *(f"{n} 1 {kind} {x!r} {y!r} {z!r}" for n, (kind, x, y, z) in enumerate(at, 1))]
     if bonds:
         lines += ["", "Bonds", "", *(f"{n} {kind} {p} {q}" for n, (kind, p, q) in enumerate(bonds, 1)), ""]
     with tempfile.NamedTemporaryFile("w", suffix=".data") as file:
