@@ -16,7 +16,7 @@ import numpy as np
 
 from md_reference.block.nonlinear_slab import move_rotating_slab, rotating_slab_force
 from md_reference.block.slab import fill_ghosts, move_slab, prolong, restrict, slab_constants, slab_force
-from md_reference.block.verlet import Action, move_planes
+from md_reference.block.verlet import Action, move_plane
 from md_reference.parallel_rows import share_rows
 
 # Layers of the finest level and of the coarser ones below the last, fewest nodes of a level along an axis: E*(q) is
@@ -27,10 +27,7 @@ _TASK_NODES, _TASK_ROWS = 8192, 8
 
 
 def level_layers(atoms: tuple[int, int], layers: int) -> tuple[int, ...]:
-    """Return the layers of cells of each level, from the surface up, together as thick as ``layers`` of atoms.
-
-    ``atoms`` are those of the surface along y and x; a level has half as many nodes as the one below, where it can.
-    """
+    """Return the layers of cells of each level, from the surface up, each with half the nodes where it can."""
     counts = [min(layers, _FINEST_LAYERS)]
     left = layers - counts[0]
     while left:
@@ -64,13 +61,10 @@ class Level(NamedTuple):
 class MultiscaleBlock:
     """Forces and masses of the explicit block.
 
-    One vector contains all nodes, level after level; :meth:`levels_of` gives the views of shape (3, planes, ny + 2,
-    nx + 2). Displacements along z are heights: only differences count.
-
+    One vector contains all nodes, level after level, see :meth:`levels_of`; displacements along z are heights.
     ``atoms`` are those of the surface along y and x, ``first_lame`` and ``shear_modulus`` λ and μ (Pa), ``layers``
-    those of cells of each level, see :func:`level_layers`. ``plane_mass`` lists the mass of a node of each plane, level
-    by level (kg). A node represents its share of the cells above and below, an atom of the surface a whole atom; where
-    two levels meet, half a layer of each. Hanging planes and the rigid one have zero.
+    those of :func:`level_layers`. ``plane_mass`` lists the mass of a node of each plane, level by level (kg): its share
+    of the cells above and below, a whole atom at the surface. Hanging planes and the rigid one have zero.
     """
 
     _force_kernel, _move_kernel = staticmethod(slab_force), staticmethod(move_slab)
@@ -211,8 +205,9 @@ class MultiscaleBlock:
         faces[0][:, 0, 1:-1, 1:-1] += surface_force
         for number in range(len(u)):
             if mass[number][0]:
-                nodes = u[number], new[number], v[number], faces[number], mass[number]
-                self._on_rows(number, partial(move_planes, *nodes, action, first_node[number], 0, 1))
+                nodes = u[number], new[number], v[number], faces[number], 0
+                given = mass[number][0], action, first_node[number], 0
+                self._on_rows(number, lambda first, end: move_plane(*nodes, first + 1, *given, first, end))  # noqa: B023
         new[-1][:, -1] = u[-1][:, -1]
         return float(faces[-1][2, -1, 1:-1, 1:-1].sum())
 

@@ -5,8 +5,8 @@ diagonals pull along the line between their atoms, ½k(|r| − r₀)², and the 
 mean of the deformation gradient over the cell's corners. A rigid rotation costs nothing; to first order both are the
 linear cell. Arrays are those of :mod:`md_reference.block.slab`.
 
-Every spring and every volume is met once, layer by layer: some rows of a plane, with the one before them and the one
-after, form a line, and a neighbour is a shift along it. Values computed at ghosts are meaningless.
+Some rows of a plane, with the one before and the one after, form a line, and a neighbour is a shift along it. Values
+computed at ghosts are meaningless.
 """
 
 import numpy as np

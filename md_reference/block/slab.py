@@ -1,9 +1,9 @@
 """Slabs of isotropic cells with explicit nodes, both faces free, periodic along x and y, and their coupling.
 
-The springs and the dilatation energy of :func:`md_reference.block.condensed.isotropic_element`, gathered node by node:
-springs along edges, springs along face diagonals, and the dilatation of every cell, of which two planes at a time are
-kept. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts contains the periodic images. The
-kernels treat the rows ``first`` to before ``end`` of ny; values that they write at ghosts are meaningless.
+The springs and the dilatation energy of :func:`md_reference.block.condensed.isotropic_element`, gathered node by node,
+with the dilatation of two planes of cells at a time. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of
+ghosts contains the periodic images. The kernels treat the rows ``first`` to before ``end`` of ny; values that they
+write at ghosts are meaningless.
 """
 
 import numpy as np
@@ -19,18 +19,10 @@ def slab_constants(lattice_constant: float, first_lame: float, shear_modulus: fl
     return edge, edge / 2, (first_lame - shear_modulus) * lattice_constant / 16
 
 
-@row_kernel
-def fill_ghosts(u):
+def fill_ghosts(u: np.ndarray) -> None:
     """Copy the periodic images of the nodes into the frame."""
-    for c in range(u.shape[0]):
-        for k in range(u.shape[1]):
-            rows, columns = u.shape[2:]
-            for j in range(rows):
-                u[c, k, j, 0] = u[c, k, j, columns - 2]
-                u[c, k, j, columns - 1] = u[c, k, j, 1]
-            for i in range(columns):
-                u[c, k, 0, i] = u[c, k, rows - 2, i]
-                u[c, k, rows - 1, i] = u[c, k, 1, i]
+    u[..., 0], u[..., -1] = u[..., -2], u[..., 1]
+    u[..., 0, :], u[..., -1, :] = u[..., -2, :], u[..., 1, :]
 
 
 @row_kernel
@@ -62,11 +54,13 @@ def _start(nodes, first, end):
 
 
 @row_kernel
-def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z):
-    """Write the forces on rows of plane k, from row ``first`` on, after those of the plane below.
+def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, force, plane, low, high):
+    """Write the forces on rows of plane k, from row ``first`` on, after those of the plane below, in rows of a plane.
 
     The rows form one line: the ghosts between them cost less than to begin a loop again.
     """
+    f_x, f_y = force[0, plane, low:high].reshape(-1), force[1, plane, low:high].reshape(-1)
+    f_z = force[2, plane, low:high].reshape(-1)
     planes = nodes.shape[1]
     width = np.uint64(nodes.shape[3])
     one = np.uint64(1)
@@ -124,34 +118,25 @@ def slab_force(nodes, force, edge, diagonal, volume, first, end):
     """Write the forces (N) on nodes whose ghosts are filled; the constants are those of :func:`slab_constants`."""
     dilatation, below = _start(nodes, first, end)
     for k in range(nodes.shape[1]):
-        f_x = force[0, k, first + 1 : end + 1].reshape(-1)
-        f_y = force[1, k, first + 1 : end + 1].reshape(-1)
-        f_z = force[2, k, first + 1 : end + 1].reshape(-1)
-        _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z)
+        _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, force, k, first + 1, end + 1)
 
 
 @row_kernel
 def move_slab(nodes, moved, velocity, faces, inverse_mass, action, edge, diagonal, volume, number, first, end):
     """Apply the forces of :func:`slab_force` to the inner planes, one plane at a time, storing none.
 
-    ``nodes`` and ``moved`` are displacements before and after (m), ``velocity`` in m/s, see
-    :func:`md_reference.block.verlet.move_plane`. ``faces``, shape (3, 2, ny + 2, nx + 2), receives the forces (N) on
-    the lowest and highest plane, which are not moved. ``inverse_mass`` has one value per plane (1/kg); ``number`` is
-    that of the slab's first node in the block.
+    Arguments as of :func:`md_reference.block.verlet.move_plane`, with an ``inverse_mass`` for each plane. ``faces``,
+    shape (3, 2, ny + 2, nx + 2), receives the forces (N) on the lowest and highest plane, which are not moved.
     """
     dilatation, below = _start(nodes, first, end)
     inside = np.empty((3, 1, end - first, nodes.shape[3]))
     last = nodes.shape[1] - 1
     for k in range(last + 1):
-        if 0 < k < last:
-            f_x, f_y, f_z = inside[0, 0].reshape(-1), inside[1, 0].reshape(-1), inside[2, 0].reshape(-1)
+        if k in (0, last):
+            to = faces, min(k, 1), first + 1, end + 1
+            _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, *to)
         else:
-            face = 0 if k == 0 else 1
-            f_x = faces[0, face, first + 1 : end + 1].reshape(-1)
-            f_y = faces[1, face, first + 1 : end + 1].reshape(-1)
-            f_z = faces[2, face, first + 1 : end + 1].reshape(-1)
-        _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z)
-        if 0 < k < last:
+            _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, inside, 0, 0, end - first)
             move_plane(nodes, moved, velocity, inside, 0, 0, inverse_mass[k], action, number, k, first, end)
 
 

@@ -48,13 +48,11 @@ def move_plane(
 ):
     """Apply forces to the rows ``first`` to before ``end`` of plane ``k``.
 
-    Each component's noise is a number of :func:`_three_point`, a function of the node's number and the step's key
-    alone, so that results do not depend on threads. Such increments suffice for weak schemes of second order (P. E.
-    Kloeden, E. Platen, Numerical Solution of Stochastic Differential Equations, Springer 1992).
-
-    Displacements before and after (m) may be the same array; the velocity (m/s) changes in place. Row ``first`` of the
-    plane has its forces (N) in row ``force_row`` of the plane ``force_plane``. ``inverse_mass`` is that of a node
-    (1/kg), ``number`` that of the slab's first node in the block.
+    Noise is a function of the node's number and the step's key alone, so that results do not depend on threads; three
+    points suffice for weak schemes of second order (P. E. Kloeden, E. Platen, Numerical Solution of Stochastic
+    Differential Equations, Springer 1992). Displacements before and after (m) may be the same array; the velocity (m/s)
+    changes in place. Row ``first`` has its forces (N) in row ``force_row`` of the plane ``force_plane``.
+    ``inverse_mass`` is that of a node (1/kg), ``number`` that of the slab's first node in the block.
     """
     gain = action.kick * inverse_mass
     spread = np.sqrt(action.noise * inverse_mass)
@@ -97,11 +95,3 @@ def move_plane(
                     after = kept * before + wind
                     v[i] = after
                     m[i] = u[i] + half * (before + after)
-
-
-@row_kernel
-def move_planes(displacement, moved, velocity, force, inverse_mass, action, number, low, high, first, end):
-    """Apply :func:`move_plane` to planes ``low`` to before ``high``, with forces of shape (3, any, ny + 2, nx + 2)."""
-    for k in range(low, high):
-        mass = inverse_mass[k]
-        move_plane(displacement, moved, velocity, force, k, first + 1, mass, action, number, k, first, end)

@@ -1,12 +1,7 @@
-"""An interface evaluated again only where atoms have moved.
+"""An interface evaluated again only where atoms have moved: all but some tens while a contact edge advances.
 
-While a contact edge advances all but some tens of atoms are nearly at rest, and the interface is most of a step's work.
-Energy and force of an atom are therefore expanded to second order about its last evaluation,
-
-    E = E₀ − F₀·d + ½ d·H₀d,    F = F₀ − H₀ d,
-
-as long as the next term of the force, ½ T d², is below an error that the caller allows, and |d| below a tenth of r0.
-With no error allowed only atoms that have not moved at all are skipped.
+The others are expanded to second order about their last evaluation, E = E₀ − F₀·d + ½ d·H₀d and F = F₀ − H₀ d, as long
+as the next term of the force, ½ T d², is below an error that the caller allows, and |d| below a tenth of r0.
 
 T is bounded by stiffness k and force F of the atom there. For a layer's law P (s¹¹ − s⁵), s = r0/distance, in units of
 P/r0 and P/r0²: k = 11 s¹² − 5 s⁶, and T = 132 s¹³ − 30 s⁷ stays below 17 k⁺ + 60 |F| for s < 1.6. Where the pairs are
@@ -27,8 +22,7 @@ _HARD, _SOFT, _SWITCHED, _FARTHEST = 17.0, 60.0, 1500.0, 0.1
 class CachedInterface:
     """An interface with the last evaluation of each of its atoms.
 
-    ``shape`` is that of the layer, (ny, nx). ``hessian``, float32 of shape (6, ny, nx), has the second derivatives of
-    the last evaluation: xx, yy, zz, xy, xz, yz (N/m). ``evaluations`` counts those of some atoms by their share of all.
+    ``hessian``, float32, has the second derivatives there (N/m); ``evaluations`` counts those of some atoms by share.
     """
 
     def __init__(self, interaction: LennardJonesInterface, shape: tuple[int, int]):
@@ -45,10 +39,7 @@ class CachedInterface:
         self._position.fill(np.inf)
 
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, error: float = 0.0) -> float:
-        """Write the force on each atom, off by at most ``error`` (N); return the energy (J).
-
-        The energy is infinite if an atom is inside the substrate.
-        """
+        """Write the force on each atom, off by at most ``error`` (N); return the energy (J), infinite inside."""
         length, cutoff = self._interaction.length, self._interaction.cutoff
         least = _SWITCHED * self._interaction.force_prefactor / length**2 / cutoff**7
         there = self._position, self._force, self.hessian

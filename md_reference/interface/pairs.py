@@ -95,7 +95,7 @@ class LennardJonesInterface:
         ``due`` and ``energy`` have shape (ny, nx). False, with undefined results, if one of them is inside.
         """
         written = force, hessian is not self._no_hessian, hessian, energy, self._row_inside
-        kernel = partial(_lennard_jones, displacement, due, *self._geometry, *written)
+        kernel = partial(_lennard_jones, displacement, due, self._geometry, *written)
         share_rows(kernel, self.shape[0], _TASK_ROWS, self._threads)
         return not self._row_inside.any()
 
@@ -111,7 +111,11 @@ class LennardJonesInterface:
     def floor(self, displacement: np.ndarray) -> np.ndarray:
         """Return the higher of the surface below each atom and of the nearest site (m), shape (ny, nx)."""
         y, x = self._lateral_positions(displacement)
-        return np.maximum(self.substrate.height_and_cosine(y, x)[0], self.substrate.nearest_site(y, x))
+        rows, columns = (
+            np.floor(at / b + 0.5).astype(int) for at, b in zip((y, x), self.substrate.spacing, strict=True)
+        )
+        nearest = self.substrate.heights[rows % self.substrate.shape[0], columns % self.substrate.shape[1]]
+        return np.maximum(self.substrate.height_and_cosine(y, x)[0], nearest)
 
     def rest_heights(self) -> np.ndarray:
         """Return the height of the surface under the atoms' rest positions (m), shape (ny, nx)."""
@@ -191,31 +195,14 @@ def _pair(dx, dy, dz, start, slope):
 
 
 @_kernel
-def _lennard_jones(
-    displacement,
-    due,
-    scale,
-    atom_spacing,
-    spacing,
-    padded,
-    margin,
-    highest,
-    strength,
-    cutoff,
-    force,
-    with_hessian,
-    hessian,
-    energy,
-    row_inside,
-    first_row,
-    end_row,
-):
+def _lennard_jones(displacement, due, geometry, force, with_hessian, hessian, energy, row_inside, first_row, end_row):
     """Sum over pairs of due atoms in rows ``first_row`` to before ``end_row``, with lengths in units of r0.
 
     Writes each atom's energy, force and Hessian, and the number of a row's atoms inside the substrate. ``scale`` is
     1/r0, ``strength`` 4ε. With V(s) as in :func:`_pair` the force is −2V'Δ and the Hessian 2V' 1 + 4V'' ΔΔᵀ, so that
     no square root is taken.
     """
+    scale, atom_spacing, spacing, padded, margin, highest, strength, cutoff = geometry
     columns = displacement.shape[2]
     site_rows, site_columns = highest.shape
     b_y, b_x = spacing

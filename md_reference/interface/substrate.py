@@ -48,11 +48,6 @@ class Substrate:
         coefficients = ndimage.spline_filter(self.samples, order=3, mode="grid-wrap", output=np.float64)
         return np.pad(coefficients, [(1, 2), (1, 2)], mode="wrap")
 
-    def nearest_site(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return the height of the nearest site (m)."""
-        rows, columns = (np.floor(at / b + 0.5).astype(int) for at, b in zip((y, x), self.spacing, strict=True))
-        return self.heights[rows % self.shape[0], columns % self.shape[1]]
-
     def height_and_cosine(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return height (m) and cosine of the tilt, 1/√(1 + |∇h|²), of the surface at positions of any shape (m).
 

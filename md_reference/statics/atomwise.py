@@ -25,8 +25,7 @@ _LANDING_FORCE = 0.126
 def deviator(xx, yy, zz, xy, xz, yz):
     """Return mean m of the diagonal, size p and entries of (A − m)/p, and its angle; p is zero for A = m.
 
-    The eigenvalues are m + 2p cos(angle + 2πk/3), the largest for k = 0, the lowest for k = 1 (trigonometric solution
-    of the characteristic equation).
+    The eigenvalues are m + 2p cos(angle + 2πk/3), the largest for k = 0, the lowest for k = 1.
     """
     mean = (xx + yy + zz) / 3.0
     spread = (xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2.0 * (xy * xy + xz * xz + yz * yz)
@@ -74,9 +73,8 @@ def raise_curvature(hessian, gradient, gap, cosine, damping, length, diagonal):
     pulls it toward contact, and at twice its gap where g pulls it away. The increase vanishes with g, which preserves
     Newton's convergence.
 
-    ``gradient`` is the unbalanced force, negated (N), ``gap`` the height over the surface (m) and ``cosine`` that of
-    the surface's tilt. ``damping`` is the share of the remaining negative curvature to remove. ``length`` is r0 (m),
-    ``smallest_distance`` the least distance to contact (r0). ``diagonal`` is written (N/m).
+    ``gradient`` is the unbalanced force, negated (N), ``gap`` the height over the surface (m), ``damping`` the share of
+    the remaining negative curvature to remove, ``length`` r0 (m). ``diagonal`` is written (N/m).
     """
     for j in range(gap.shape[0]):
         for i in range(gap.shape[1]):
@@ -143,7 +141,7 @@ def limit_step(gap, cosine, force, length, prefactor, trial_gap, trial_cosine, h
     correction vanishes.
 
     Before the step ``gap`` is the height over the surface (m), ``cosine`` that of the surface's tilt, ``force`` the
-    interface's normal force (N). After it, ``trial_gap`` and the atoms' ``height`` are corrected in place (m).
+    interface's (N). After it, ``trial_gap`` and the atoms' ``height`` are corrected (m).
     """
     for j in range(gap.shape[0]):
         for i in range(gap.shape[1]):

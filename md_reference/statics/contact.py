@@ -249,11 +249,10 @@ def separated(interface: LennardJonesInterface) -> np.ndarray:
 
 
 def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean_gap: float) -> np.ndarray:
-    """Move a state to a mean height of ``mean_gap`` + r0, with no atom below the surface (m).
+    """Move a state to a mean height of ``mean_gap`` + r0, with no atom closer than 0.85 r0 to the surface (m).
 
-    Atoms that a rigid motion would push closer than 0.85 r0 to the surface, or to the height of the nearest site, stay
-    at that distance: on steep flanks that site is above the surface below the atom. InputError if the mean gap is so
-    small that all atoms would be closer.
+    Nor to the height of the nearest site, which on steep flanks is above the surface below the atom. InputError if all
+    atoms would be closer.
     """
     length = interface.length
     floor = interface.floor(displacement) + _CLOSEST * length

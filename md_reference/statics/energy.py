@@ -60,8 +60,7 @@ class BlockEnergy:
     """Energy, forces and curvature of one block and one interface, owner of all work arrays.
 
     ``contact_modulus`` is E*, the scale of forces (Pa); ``fixed_mean`` keeps the mean of the normal component.
-    ``force``, shape (3, ny, nx), is that of the interface on each atom at the last evaluated state (N), ``newton`` the
-    solver of the Newton steps' linear problems.
+    ``force``, shape (3, ny, nx), is that of the interface on each atom at the last evaluated state (N).
     """
 
     def __init__(
@@ -200,12 +199,8 @@ class BlockEnergy:
     def refresh(self, state: MinimizerState) -> None:
         """Evaluate every expanded atom, and compute S u from u."""
         state.energy = self._evaluate(state, state.displacement, self.force)
-        self.refresh_stretch(state)
-        state.fresh = True
-
-    def refresh_stretch(self, state: MinimizerState) -> None:
-        """Compute S u free of the rounding of its updates."""
         state.stretch = self.apply_stiffness(state.displacement).copy()
+        state.fresh = True
 
     def apply_stiffness(self, u: np.ndarray) -> np.ndarray:
         """Return S u, in the transform's own buffer."""
@@ -217,17 +212,9 @@ class BlockEnergy:
         self, state: MinimizerState, residual: float, outcome: Outcome, iterations: int, pairs: float
     ) -> Equilibrium:
         """Return the last evaluated state as a result."""
-        return Equilibrium(
-            displacement=state.displacement,
-            force=self.force.copy(),
-            residual=residual,
-            outcome=outcome,
-            iterations=iterations,
-            force_evaluations=round(state.evaluations),
-            fft_pairs=pairs,
-            elastic_energy=0.5 * float(np.sum(state.displacement * state.stretch)),
-            interaction_energy=state.energy,
-        )
+        elastic = 0.5 * float(np.sum(state.displacement * state.stretch))
+        work = iterations, round(state.evaluations), pairs
+        return Equilibrium(state.displacement, residual, outcome, *work, elastic, state.energy, self.force.copy())
 
     def _evaluate(self, state: MinimizerState, u: np.ndarray, force: np.ndarray, error: float = 0.0) -> float:
         """Write the forces near a state, whose work it counts as; return the energy (J)."""

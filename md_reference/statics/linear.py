@@ -5,10 +5,9 @@ atoms touch (the core), small everywhere else (the tail). With k = n·Dn, β² =
 
     z = (1 − β²)/(k + ½ S_max) n nᵀ r + B (S + c)⁻¹ B r
 
-inverts D in the core and S in the tail (long waves on coarser layers, :mod:`contact_study.numerics.multigrid`). It
-takes far fewer iterations than (S + c)⁻¹ alone, each of a transform pair and a sixteenth of one. The arithmetic is
-single precision on a right-hand side scaled to one: the step only has to be good to the forcing term of the truncated
-Newton method, whose residual is evaluated in double precision.
+inverts D in the core and S in the tail (long waves on coarser layers, :mod:`contact_study.numerics.multigrid`), in far
+fewer iterations than (S + c)⁻¹ alone. Single precision on a right-hand side scaled to one suffices to the forcing term
+of the truncated Newton method, whose residual is evaluated in double precision.
 """
 
 from typing import NamedTuple
@@ -108,9 +107,12 @@ class LinearSolver:
             transform.forward()
             elastic = multiply(spectrum, *waves, normalisation)
             curvature = local + elastic
-            if curvature <= rounding * length and curvature <= self._rounding(elastic, length):
-                indefinite = True
-                break
+            if curvature <= rounding * length:
+                # What may be rounding: of the sum's terms, S of a nearly uniform field among them.
+                terms = inner_product(np.abs(self.diagonal[:3]) * direction, direction) + elastic
+                if curvature <= _ROUNDING * (terms + 2 * _ROUNDING * self._half_grid * length):
+                    indefinite = True
+                    break
             transform.backward()
             _descend(product / curvature, direction, self.diagonal, field, solution, residual)
             if self.fixed_mean:
@@ -134,12 +136,6 @@ class LinearSolver:
             return None
         found = self.solve(start, 0.0, max_iterations)
         return self.direction / np.abs(self.direction).max() if found.indefinite else None
-
-    def _rounding(self, elastic: float, length: float) -> float:
-        """Return the energy of the direction s that may be rounding; s·S s = ``elastic``, s·s = ``length``."""
-        local = inner_product(np.abs(self.diagonal[:3]) * self.direction, self.direction)
-        # S of a nearly uniform field is itself rounding.
-        return _ROUNDING * (local + elastic + 2 * _ROUNDING * self._half_grid * length)
 
     def _remove_mean(self) -> float:
         """Make the normal mean of the direction (and of the transform's field) zero; return the change of s·D s."""

@@ -88,7 +88,7 @@ class EquilibriumSolver:
             elif not raised:
                 at.damping = at.damping * _DAMPING_DECAY if at.damping > 0.9 * _DAMPING_START else 0.0
             if at.iteration % _REFRESH == 0:
-                energy.refresh_stretch(at)
+                at.stretch = energy.apply_stiffness(at.displacement).copy()
         if not at.fresh:
             energy.refresh(at)
             residual = energy.residual(energy.gradient(at, load))

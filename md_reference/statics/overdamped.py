@@ -1,8 +1,7 @@
 """The condensed block in overdamped motion: one implicit Euler step of :mod:`contact_study.numerics.gradient_flow`.
 
-A step is a minimum of the energy with springs of the stiffness η/τ that tie every atom to its former position, found by
-the Newton steps of the equilibrium solver. Springs stiffer than the negative curvature leave one minimum only; a
-direction of negative curvature shows that the time step is too long.
+A step is a minimum of the energy with springs of the stiffness η/τ that tie every atom to its former position; a
+direction of negative curvature shows that it is too long.
 """
 
 from dataclasses import replace

@@ -23,8 +23,8 @@ def equilibria(
 ) -> Iterator[InterfaceState]:
     """Yield the equilibria of a contact along the loading path.
 
-    With a predictor's gap field the atoms start at their lateral rest positions, at the surface's height plus that gap.
-    Where it returns None a warning names the point, and the atoms start from the state before.
+    With a predictor's gap field the atoms start at rest laterally, at that gap. Where there is none a warning names the
+    point, and the atoms start from the state before.
     """
     state = contact.separated() if restart is None else restart["state"]
     for number in range(start, len(case.path)):

@@ -6,14 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from contact_study.campaign.memory import Need
 from contact_study.inputs.errors import InputError
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.observables.atoms import block_nodes, surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport
 from contact_study.study.case import Case
 from md_reference.block.condensed import isotropic_element, lame_constants
-from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers, node_count
+from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.statics.contact import separated
 from md_reference.study.system import Predictor, Restart, States, build_interface, row_threads
@@ -22,20 +21,8 @@ from md_reference.thermal.checkpoint import Frame, TrajectoryState
 from md_reference.thermal.equilibration import Descent, TemperatureStatistics
 from md_reference.thermal.langevin import MolecularDynamics, Motion, fastest_wave
 
-# Displacements before and after a step, velocities, a checkpoint, and the nodes that are kept.
-_BYTES_PER_NODE = 300
 _SAFE_STEP = 0.2  # of the largest stable one, the default: an energy error of one per cent
 _SLOW = 0.1  # of the speed of sound, above which an approach is an impact
-
-
-def need(case: Case) -> Need:
-    """Return the least memory of the explicit block."""
-    nodes = node_count(case.lattice.atoms, level_layers(case.lattice.atoms, case.block_layers))
-    return Need(
-        nodes * _BYTES_PER_NODE,
-        f'atomistic.method = "dynamics": a block of {nodes:.3g} nodes',
-        "a larger material.lattice_constant, a smaller cell or fewer atomistic.layers",
-    )
 
 
 def check(case: Case) -> None:
@@ -114,16 +101,15 @@ def build_block(case: Case) -> MultiscaleBlock:
 def solve_path(case: Case, surface: Surface, restart: Restart, start: int, predictor: Predictor) -> States:
     """Yield the motion along the path: at each point its pressure acts for ``dynamics.duration``.
 
-    The block starts just out of reach of the substrate, at the approach speed. Under gap control its rigid plane moves
-    at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one before.
-    A point's result is its last state, or, with a thermostat or without damping, the mean of the second half of its
-    states, except while the plane moves.
+    Under gap control the rigid plane moves at the approach speed to each point of the path, and rests for the duration
+    where a point repeats the one before. A point's result is its last state, or, with a thermostat or without damping,
+    the mean of the second half of its states, except while the plane moves.
     """
     run = _Run(case, build_interface(case, surface))
     at = run.begin(start) if restart is None else TrajectoryState.unpack(restart)
     for number in range(start, len(case.path)):
         if at.point != number:
-            at.start_point(number)
+            at.point, at.frame, at.series = number, 0, []
         target, before = case.path[number][0], case.path[number - 1][0] if number else None
         # A driven motion passes a value once: there is no mean of it.
         passing = case.loading.control == "gap" and target != before
@@ -157,9 +143,19 @@ class _Run:
         """Yield the remaining states of a point, moving the block; stop early where tension tears it off."""
         system, pressure = self._system, 0.0 if self._driven else target
         if at.frame == 0:
-            at.plan(self._drive(at, target) if self._driven else self._steps, self._case.dynamics.frames)
+            at.steps = self._drive(at, target) if self._driven else self._steps
+            at.frames = min(self._case.dynamics.frames, at.steps)
         while at.frame < at.frames:
-            self._move(at, pressure)
+            before = at.taken
+            at.frame += 1
+            try:
+                system.move(at.motion, pressure, at.generator, at.taken - before)
+            except FloatingPointError as error:
+                raise InputError(
+                    f"dynamics.time_step = {system.time_step:.3g} s: {error} {1e12 * at.motion.time:.3g} ps or more "
+                    "after the start; a hard impact is stiffer than the contact at rest that the step is stable for: "
+                    "use a shorter one, or a lower dynamics.approach_speed"
+                ) from None
             within_reach = bool(system.interface_force.any())
             at.touched |= within_reach
             # A driven plane has a definite position, and can come back.
@@ -169,19 +165,6 @@ class _Run:
                 fresh = self.begin(at.point, at.motion.time)
                 at.motion, at.touched, at.frame = fresh.motion, False, at.frames
             yield dataclasses.replace(state, restart=at.pack())
-
-    def _move(self, at: TrajectoryState, pressure: float) -> None:
-        """Integrate the time steps of the next frame."""
-        before = at.taken
-        at.frame += 1
-        try:
-            self._system.move(at.motion, pressure, at.generator, at.taken - before)
-        except FloatingPointError as error:
-            raise InputError(
-                f"dynamics.time_step = {self._system.time_step:.3g} s: {error} {1e12 * at.motion.time:.3g} ps or more "
-                "after the start; a hard impact is stiffer than the contact at rest that the step is stable for: use "
-                "a shorter one, or a lower dynamics.approach_speed"
-            ) from None
 
     def _drive(self, at: TrajectoryState, gap: float) -> int:
         """Set the rigid plane's velocity, toward a gap or for a rest; return the number of time steps."""
@@ -242,7 +225,6 @@ class _Run:
         return found
 
     def _report(self, at: TrajectoryState, pressure: float, discarded: int | None, apart: bool) -> SolverReport:
-        modulus = self._case.material.contact_modulus
         # Mean pressures in the states that count; before there are any, in the last one.
         last = len(at.series) - 1
         carried = np.array(at.series[last if discarded is None else min(discarded, last) :])[:, 2]
@@ -253,11 +235,11 @@ class _Run:
         elif self._driven and not np.any(carried):
             residual, message, detached = 0.0, "detached: no atom is within reach", True
         elif self._driven:  # a state of the prescribed motion; none in balance
-            residual = self._unbalanced(at) / modulus
+            residual = self._system.unbalanced(at.motion) / self._area / self._case.material.contact_modulus
         elif at.frame < at.frames:  # the report of the last state is the point's
             residual = np.nan
         else:
-            residual, message = self._test(at, self._descent(at, pressure, carried), modulus)
+            residual, message = self._test(at, pressure, carried)
             converged = not message
         return SolverReport(
             converged=converged,
@@ -269,11 +251,11 @@ class _Run:
             message=message,
         )
 
-    def _test(self, at: TrajectoryState, descent: Descent, modulus: float) -> tuple[float, str]:
+    def _test(self, at: TrajectoryState, pressure: float, carried: np.ndarray) -> tuple[float, str]:
         """Return the residual of a finished point, and advice if the block is not in equilibrium."""
-        case = self._case
+        case, modulus = self._case, self._case.material.contact_modulus
+        descent, counted = self._descent(at, pressure, carried), at.series[-carried.size :]
         if case.atomistic.temperature > 0:
-            counted = at.series[-descent.carried.size :]
             warmth = TemperatureStatistics(
                 nodes=float(np.mean([frame.temperature for frame in counted])),
                 whole=float(np.mean([frame.whole for frame in counted])),
@@ -285,11 +267,7 @@ class _Run:
             return equilibration.not_in_equilibrium(descent, warmth, modulus)
         if case.dynamics.damping == 0:
             return equilibration.load_missing(descent, modulus, swings=True)
-        return equilibration.still_moving(descent, self._unbalanced(at), modulus)
-
-    def _unbalanced(self, at: TrajectoryState) -> float:
-        """Return the largest stress left on an atom of the surface (Pa)."""
-        return self._system.unbalanced(at.motion) / self._area
+        return equilibration.still_moving(descent, self._system.unbalanced(at.motion) / self._area, modulus)
 
     def _descent(self, at: TrajectoryState, pressure: float, carried: np.ndarray) -> Descent:
         """Return the block's motion in the states that count, from the one before them on."""

@@ -18,6 +18,7 @@ from contact_study.study.checks.plausibility import contact_stress, squeeze
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from md_reference.block.condensed import effective_contact_modulus
+from md_reference.block.multiscale import level_layers, node_count
 from md_reference.interface.pairs import INSIDE, flat_adhesion
 from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.study import cold, dynamics, sampling
@@ -31,11 +32,14 @@ METHODS: Mapping[str, Callable[[Case, Surface, Restart, int, Predictor], States]
     "dynamics": dynamics.solve_path,
 }
 
+_COLD = {"quasi_static": "finds equilibria at zero temperature", "overdamped": "is a motion without noise"}
 MODEL = MODELS["atomistic"]
 POINTS_FOR_THREADS = ATOMS_FOR_THREADS
 
 # Displacements, forces, Hessians, stiffness, transforms and substrate of one atom, as scripts/benchmark_atoms.py finds.
 _BYTES_PER_ATOM = 1000
+# Displacements before and after a step, velocities, a checkpoint, and the nodes that are kept.
+_BYTES_PER_NODE = 300
 
 # The springs' Lamé modulus grows as 1/(1 − 2ν): five digits nearer to 0.5 than this, rounding makes moduli negative.
 _MOST_INCOMPRESSIBLE = 0.49999
@@ -71,14 +75,9 @@ def check(case: Case) -> None:
             f"{_MOST_INCOMPRESSIBLE}",
         ),
         (
-            given.method == "quasi_static" and given.temperature > 0,
-            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "quasi_static" finds equilibria at '
-            'zero temperature; "sampling" and "dynamics" take a temperature',
-        ),
-        (
-            given.method == "overdamped" and given.temperature > 0,
-            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "overdamped" is a motion without '
-            'noise; "sampling" and "dynamics" take a temperature',
+            given.method in _COLD and given.temperature > 0,
+            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" '
+            f'{_COLD.get(given.method)}; "sampling" and "dynamics" take a temperature',
         ),
         (
             given.method == "sampling" and given.temperature == 0,
@@ -123,7 +122,12 @@ def needs(case: Case) -> Iterator[Need]:
         "a larger one or a smaller cell",
     )
     if case.atomistic.method == "dynamics":
-        yield dynamics.need(case)
+        nodes = node_count(case.lattice.atoms, level_layers(case.lattice.atoms, case.block_layers))
+        yield Need(
+            nodes * _BYTES_PER_NODE,
+            f'atomistic.method = "dynamics": a block of {nodes:.3g} nodes',
+            "a larger material.lattice_constant, a smaller cell or fewer atomistic.layers",
+        )
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:

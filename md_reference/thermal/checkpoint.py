@@ -36,17 +36,13 @@ def unpack_generator(words: np.ndarray) -> np.random.Generator:
 
 @dataclass
 class ChainState:
-    """Monte Carlo sampling of one point of the loading path.
-
-    ``equilibrium`` is the state at zero temperature (m, shape (3, ny, nx)) from which the next point starts,
-    ``converged`` whether its solve converged. ``pressures`` are the interface's mean pressures so far (Pa).
-    """
+    """Monte Carlo sampling of one point of the loading path."""
 
     sampler: SamplerState
     generator: np.random.Generator
-    equilibrium: np.ndarray
-    converged: bool
-    pressures: list[float] = field(default_factory=list)
+    equilibrium: np.ndarray  # state at zero temperature, from which the next point starts, shape (3, ny, nx) (m)
+    converged: bool  # whether its solve has
+    pressures: list[float] = field(default_factory=list)  # mean ones of the interface so far (Pa)
 
     def pack(self) -> dict[str, np.ndarray]:
         """Return the chain as arrays."""
@@ -95,14 +91,6 @@ class TrajectoryState:
     frames: int = 0  # and in all
     steps: int = 0  # time steps of all frames of the point
     series: list[Frame] = field(default_factory=list)
-
-    def start_point(self, point: int) -> None:
-        """Move on to the first frame of a point."""
-        self.point, self.frame, self.series = point, 0, []
-
-    def plan(self, steps: int, most: int) -> None:
-        """Divide the point's time steps among at most ``most`` frames."""
-        self.steps, self.frames = steps, min(most, steps)
 
     @property
     def taken(self) -> int:

@@ -91,8 +91,8 @@ def mean_load_missing(carried: np.ndarray, load: float, swings: bool = False) ->
 def _ringing(warmth: TemperatureStatistics) -> str:
     """Return advice if a block moves up and down by more than thermal motion, as after an impact.
 
-    The square of one momentum is χ²-distributed with one freedom. Damping replaces a wave's energy at its rate: a mean
-    over time has at least half as many freedoms as damping times time, or one, and at most one per state.
+    The square of one momentum is χ²-distributed with one freedom; a mean over time has at least half as many freedoms
+    as damping times time, or one, and at most one per state.
     """
     freedoms = min(max(0.5 * warmth.forgotten, 1.0), warmth.states)
     largest = special.chdtri(freedoms, _RARE) / freedoms

@@ -4,20 +4,16 @@ The block is harmonic: its interior integrates out exactly, and the bottom layer
 
     P(u) ∝ exp(−V(u)/k_BT),  V = ½ u·Su + E(u) + p a² Σu_z,
 
-with the same S as at zero temperature. Hybrid Monte Carlo (S. Duane, A. D. Kennedy, B. J. Pendleton, D. Roweth, Phys.
-Lett. B 195, 216 (1987)) draws velocities, integrates Hamilton's equations by a scheme that is reversible and preserves
-volume, and accepts the end with probability min(1, exp(−ΔH/k_BT)), which makes the distribution exact for any time
-step. The masses are free: with each wave's stiffness as its mass all waves oscillate at one frequency (G. G. Batrouni
-et al., Phys. Rev. D 32, 2736 (1985)), and time is counted in √(mass/stiffness), without a unit; see
-:meth:`ThermalSampler.masses`.
+with the same S as at zero temperature, exactly so for any time step (S. Duane, A. D. Kennedy, B. J. Pendleton, D.
+Roweth, Phys. Lett. B 195, 216 (1987)). With each wave's stiffness as its mass all waves oscillate at one frequency
+(G. G. Batrouni et al., Phys. Rev. D 32, 2736 (1985)), and time is counted in √(mass/stiffness), without a unit.
 
 The scheme has two stages, kicks of b, 1 − 2b and b of a step h and drifts of half a step between them (S. Blanes,
 F. Casas, J. M. Sanz-Serna, SIAM J. Sci. Comput. 36, A1556 (2014), doi:10.1137/130932740). On a harmonic wave it
 conserves ½v² + ½(1 + (b² − 3b/2 + ¼)h² + …)u². With b = (3 − √5)/4 the bracket vanishes: the energy error of a harmonic
 contact falls as the fourth power of the step, that of leapfrog (b = ¼) as the second.
 
-State and velocity stay in Fourier space, so that a stage takes one pair of transforms and one evaluation of the
-interface.
+State and velocity stay in Fourier space: a stage takes one pair of transforms and one evaluation of the interface.
 """
 
 import math
@@ -47,10 +43,7 @@ _SMALLEST_SHARE = 1 / 16  # of c for the longest waves: at first they meet all o
 
 @dataclass(frozen=True)
 class SamplerState:
-    """State of a Markov chain; spectra have shape (3, ny, nx // 2 + 1).
-
-    The equilibration counts in ``evaluations`` only.
-    """
+    """State of a Markov chain; spectra have shape (3, ny, nx // 2 + 1), and ``evaluations`` counts all."""
 
     displacement: np.ndarray  # spectrum, Σ u exp(−i q·x) (m)
     time_step: float  # of the scheme's two stages together, in units of √(mass/stiffness)
@@ -113,10 +106,9 @@ class ThermalSampler:
     def equilibrated(self, state: SamplerState, trajectories: int, generator: np.random.Generator) -> SamplerState:
         """Equilibrate a chain and find its time step.
 
-        From a minimum every trajectory gains the difference between H and the scheme's own Hamiltonian, and would be
-        rejected: the first ones are accepted if their step is stable. Then the step follows each proposal's
-        acceptance probability with decreasing gain; the geometric mean of the later half is kept (C. Andrieu, J. Thoms,
-        Stat. Comput. 18, 343 (2008), doi:10.1007/s11222-008-9110-y).
+        From a minimum every trajectory gains energy and would be rejected: the first ones are accepted if their step is
+        stable. Then the step follows each proposal's acceptance probability with decreasing gain; the geometric mean of
+        the later half is kept (C. Andrieu, J. Thoms, Stat. Comput. 18, 343 (2008), doi:10.1007/s11222-008-9110-y).
         """
         relaxing = math.ceil(_RELAXING * trajectories)
         unstable = _UNSTABLE * 0.5 * self.thermal_energy * self.force.size
@@ -174,10 +166,7 @@ class ThermalSampler:
         return 0.5 * float(np.sum(weight * (velocity.real**2 + velocity.imag**2))) / self._transform.points
 
     def follow(self, state: SamplerState, velocity: np.ndarray, steps: int) -> tuple[SamplerState, np.ndarray, float]:
-        """Integrate some steps; return state and velocity at the end and the change of V (J).
-
-        The change is infinite if an atom entered the substrate on the way.
-        """
+        """Integrate some steps; return the end's state and velocity and the change of V (J), infinite inside."""
         u, v = state.displacement.copy(), velocity.copy()
         over_mass, kick = 1 / state.mass, _OUTER_KICK
         dt, stages = state.time_step, 2 * steps

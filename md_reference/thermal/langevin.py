@@ -1,9 +1,7 @@
 """Molecular dynamics of the explicit block over the substrate, with or without a thermostat.
 
-Velocity Verlet; with Langevin damping the splitting of B. Leimkuhler and C. Matthews (J. Chem. Phys. 138, 174102
-(2013)): half a kick, half a drift, damping and noise, half a drift, half a kick, which is velocity Verlet without
-damping and whose positions err little at any. The rigid plane that closes the block above moves under the pressure and
-the block's own force.
+Half a kick, half a drift, damping and noise, half a drift, half a kick (B. Leimkuhler and C. Matthews, J. Chem. Phys.
+138, 174102 (2013)): velocity Verlet without damping. The rigid plane that closes the block above moves, too.
 """
 
 from dataclasses import dataclass
@@ -33,10 +31,9 @@ class Motion:
 class MolecularDynamics:
     """Block and interface in motion.
 
-    ``damping`` is the rate at which a thermostat of the given ``temperature`` (K) removes momentum (1/s), ``time_step``
-    that of velocity Verlet (s). A ``driven`` rigid plane keeps its prescribed velocity; damping then acts on the motion
-    relative to the plane: a bath at rest would drag at the whole block. After a step ``interface_force``, shape
-    (3, ny, nx), is that of the substrate on the surface's atoms (N), ``interaction_energy`` the interface's (J).
+    ``damping`` is the rate at which a thermostat of the given ``temperature`` (K) removes momentum (1/s). A ``driven``
+    rigid plane keeps its velocity; damping then acts on the motion relative to it. After a step ``interface_force``,
+    shape (3, ny, nx), is that on the surface's atoms (N), ``interaction_energy`` the interface's (J).
     """
 
     def __init__(
@@ -60,10 +57,7 @@ class MolecularDynamics:
         self._spare = np.empty(block.size)  # receives the next displacement: neighbours need the former one
 
     def start(self, displacement: np.ndarray, velocity: float = 0.0) -> Motion:
-        """Return a rigidly moving block, all planes at the mean height of the surface.
-
-        ``displacement`` is that of the surface's atoms (m, shape (3, ny, nx)), ``velocity`` along z (m/s).
-        """
+        """Return a block moving along z (m/s), all planes at the mean height of the surface's atoms (m)."""
         moving = np.zeros(self.block.size)
         nodes = np.zeros(self.block.size)
         height = float(np.mean(displacement[2]))
@@ -112,14 +106,15 @@ class MolecularDynamics:
             velocity = velocity.copy()
             for nodes in self.block.levels_of(velocity):
                 nodes[2, :-1, 1:-1, 1:-1] -= motion.top_velocity
-        twice = self._mass_times_square(velocity) + self._square_over_mass(self._forces(motion)) * self._half_kick**2
+        square_over_mass = 0.0
+        for mass, nodes in zip(self.block.plane_mass, self.block.levels_of(self._forces(motion)), strict=True):
+            own = nodes[:, mass > 0, 1:-1, 1:-1]
+            square_over_mass += float(np.dot(1 / mass[mass > 0], np.einsum("ckji,ckji->k", own, own)))
+        twice = self._mass_times_square(velocity) + square_over_mass * self._half_kick**2
         return twice / (constants.k * self.block.freedoms)
 
     def temperature_of_whole(self, motion: Motion) -> float:
-        """Return the squared momentum along z over k_B and all mass (K), on average the temperature in equilibrium.
-
-        The slowest waves along z, in which a block rings after an impact, dominate it.
-        """
+        """Return the squared momentum along z over k_B and all mass (K), which the slowest waves along z dominate."""
         return self.momentum(motion) ** 2 / (constants.k * self.block.total_mass)
 
     def momentum(self, motion: Motion) -> float:
@@ -135,15 +130,6 @@ class MolecularDynamics:
     def _mass_times_square(self, velocity: np.ndarray) -> float:
         pairs = zip(self.block.plane_mass, self.block.levels_of(velocity), strict=True)
         return sum(float(np.dot(mass, np.einsum("ckji,ckji->k", v, v))) for mass, v in pairs)
-
-    def _square_over_mass(self, force: np.ndarray) -> float:
-        """Return Σ f²/m over the nodes that move independently."""
-        inside = np.s_[:, :, 1:-1, 1:-1]
-        total = 0.0
-        for mass, nodes in zip(self.block.plane_mass, self.block.levels_of(force), strict=True):
-            own = nodes[inside][:, mass > 0]
-            total += float(np.dot(1 / mass[mass > 0], np.einsum("ckji,ckji->k", own, own)))
-        return total
 
     def _forces(self, motion: Motion) -> np.ndarray:
         """Return the forces of block and substrate on all nodes, after a step (N)."""
@@ -177,10 +163,7 @@ class MolecularDynamics:
 
 
 def fastest_wave(element: np.ndarray, atom_mass: float) -> float:
-    """Return the largest angular frequency of the unbounded lattice (1/s), from its element matrix (N/m).
-
-    :func:`md_reference.block.condensed.isotropic_element` gives the element; ``atom_mass`` is in kg.
-    """
+    """Return the largest angular frequency of the unbounded lattice (1/s), from its element matrix (N/m) and kg."""
     # Frequencies are symmetric in every component of the wavevector.
     phase = np.linspace(0, np.pi, _BRILLOUIN_POINTS + 1)
     waves = np.stack(np.meshgrid(phase, phase, phase, indexing="ij"), axis=-1).reshape(-1, 3)
