@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 from contact_study.version import __version__
 
 if TYPE_CHECKING:
-    from contact_study.campaign.dataset.vtk import to_vtk
-    from contact_study.campaign.dataset.xyz import to_xyz
+    from contact_study.campaign.dataset.export import to_vtk, to_xyz
     from contact_study.campaign.library import run
     from contact_study.inputs.errors import InputError
     from contact_study.results.schema import register_observable
@@ -45,8 +44,8 @@ _MODULES = {
     "register_solid": "study.schema.elasticity",
     "register_surface": "study.schema.surface",
     "run": "campaign.library",
-    "to_vtk": "campaign.dataset.vtk",
-    "to_xyz": "campaign.dataset.xyz",
+    "to_vtk": "campaign.dataset.export",
+    "to_xyz": "campaign.dataset.export",
 }
 
 

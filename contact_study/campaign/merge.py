@@ -16,11 +16,11 @@ import xarray as xr
 from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assemble_cases, last_states
 from contact_study.campaign.dataset.file import DatasetReader, StoredCase
+from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.campaign.model import MODELS, Model, check_study
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Run, RunRecord, describe_differences, differences, key_values
-from contact_study.campaign.resume.resume import COARSER_BINS
-from contact_study.campaign.resume.work_directory import WorkDirectory
+from contact_study.campaign.resume import COARSER_BINS
 from contact_study.campaign.store.files import check_name, engine_of, readable, real, require_dataset, writable_output
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins

@@ -17,47 +17,24 @@ if TYPE_CHECKING:
 class Model:
     """A model.
 
-    Parameters
-    ----------
-    command : str
-        Name of its command.
-    kind : str
-        ``"continuum"``, ``"atomistic"`` or ``"theory"``: the dataset's ``model`` attribute.
-    module : str
-        Module with the functions of the model. ``check(case)`` raises InputError if the model cannot run a case,
-        ``review(study, scales)`` warns of a study as a whole. ``constants(case, surface)`` are the quantities that do
-        not change along the path, ``solve_path(case, surface, restart, start, predictor)`` yields its points from
-        number ``start`` on. It may have ``needs(case)``, which yields each :class:`.memory.Need` beside the grid's, and
-        ``POINTS_FOR_THREADS``, the points of a surface from which on one case gains from several threads.
-    description : str
-        One sentence for ``--help`` and the dataset's ``source``.
-    references : str
-        Literature of the method, for the dataset.
-    takes_predictor : bool
-        Whether a step may start from the gap field of another dataset.
-    ignores : tuple of str
-        Sections of the study file that the model does not read.
-    keeps : tuple of str
-        Keys of [output] that select optional content of a step.
-    whole_path : bool
-        Whether the numbers of a step depend on the whole path, not only on its points so far.
-    own_steps : bool
-        Whether it takes the steps of ``loading.adaptive`` between the points of a path.
-    threads : int
-        Number of cores that a case of any surface keeps busy.
+    Its module has ``check(case)``, which raises InputError if the model cannot run a case, and ``review(study,
+    scales)``, which warns of a study as a whole. ``constants(case, surface)`` are the quantities that do not change
+    along the path, ``solve_path(case, surface, restart, start, predictor)`` yields its points from number ``start`` on.
+    The module may have ``needs(case)``, which yields each :class:`.memory.Need` beside the grid's, and
+    ``POINTS_FOR_THREADS``, the points of a surface from which on one case gains from several threads.
     """
 
     command: str
-    kind: str
+    kind: str  # the dataset's attribute ``model``
     module: str
     description: str
     references: str
-    takes_predictor: bool = False
-    ignores: tuple[str, ...] = ()
-    keeps: tuple[str, ...] = ("fields",)
-    whole_path: bool = False
-    own_steps: bool = False
-    threads: int = 1
+    takes_predictor: bool = False  # whether a step may start from the gap field of another dataset
+    ignores: tuple[str, ...] = ()  # sections of the study file that it does not read
+    keeps: tuple[str, ...] = ("fields",)  # keys of [output] that select optional content of a step
+    whole_path: bool = False  # whether the numbers of a step depend on the whole path, not only on its points so far
+    own_steps: bool = False  # whether it takes the steps of ``loading.adaptive`` between the points of a path
+    threads: int = 1  # cores that a case of any surface keeps busy
 
     @property
     def code(self) -> Any:

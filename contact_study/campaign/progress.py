@@ -21,10 +21,13 @@ class Progress:
         self._bar: Any = None
         self.total = self.done = 0
 
+    def _on_terminal(self) -> bool:
+        return sys.stderr.isatty()
+
     def start(self, total: int, done: int) -> None:
         """Begin with ``done`` of ``total`` steps finished."""
         self.total, self.done = total, done
-        if sys.stderr.isatty():
+        if self._on_terminal():
             from tqdm import tqdm  # slow to import
 
             self._bar = tqdm(
@@ -52,7 +55,7 @@ class Progress:
 
     def through(self, items: Collection[T], words: str) -> Iterator[T]:
         """Yield items one after the other; show their number if that takes long."""
-        if sys.stderr.isatty():
+        if self._on_terminal():
             from tqdm import tqdm
 
             about = f"{self._name}: {words}"
@@ -91,11 +94,8 @@ class Warnings(Progress):
     def __init__(self, wording: Callable[[str], str] = str) -> None:
         super().__init__("", wording)
 
-    def start(self, total: int, done: int) -> None:
-        self.total, self.done = total, done
-
-    def through(self, items: Collection[T], words: str) -> Iterator[T]:
-        yield from items
+    def _on_terminal(self) -> bool:
+        return False
 
     def report(self, text: str) -> None:
         pass

@@ -4,14 +4,13 @@ The numbers of a step follow from the model, its version and every key of the ca
 counts by its content. The path up to the step, the least adaptive step and the predictor's gap field count, too. The
 title, the kept output, the unit of a value and the number of threads decide no number.
 
-Two values of a key are equal if :func:`~contact_study.study.schema.dotted_keys.same` says so; resume, merge, predictor
-and report use this one rule.
+Two values of a key are equal if :func:`~contact_study.study.schema.dotted_keys.same` says so.
 """
 
 import hashlib
 import json
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 
 Differences = Mapping[str, tuple[Any, Any]]
 
-# Keys of a case that decide no number, or only the numbers of some steps (see contact_study.campaign.resume.matching).
+# Keys of a case that decide no number, or only the numbers of some steps (see contact_study.campaign.resume).
 _NOT_DECIDING = ("loading.path", "loading.unload", "solver.threads")
 
 _NAMED_KEYS = 3  # differing keys that a message names
@@ -165,26 +164,10 @@ def key_values(case: Case, sections: Iterable[str] = SECTIONS) -> Iterator[tuple
             yield f"{section}.{name}", getattr(content, name)
 
 
-def value_of(case: Case, key: str) -> Any:
-    """Value of a key, ``"section.key"`` or the last part of a swept one; None where the case has no such key."""
-    section, _, name = key.rpartition(".")
-    for candidate in [section] if section else [one for one in SECTIONS if one not in WHOLE_STUDY]:
-        content = getattr(case, candidate)
-        if name in keys_of(type(content)):
-            return getattr(content, name)
-    return None
-
-
 def differences(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     """Return the keys whose values differ, with both values; a missing key has the value None."""
     pairs = {key: (one.get(key), other.get(key)) for key in {**one, **other}}
     return {key: pair for key, pair in pairs.items() if not same(*pair)}
-
-
-def matching_cases(study: Study, case: Case, keys: Iterable[str]) -> list[Case]:
-    """Cases of a study that have the values of a case for all these keys (see :func:`value_of`)."""
-    wanted = {key: value_of(case, key) for key in keys}
-    return [other for other in study.cases if all(same(value_of(other, key), value) for key, value in wanted.items())]
 
 
 def describe_differences(different: Differences, one: str, other: str) -> str:
@@ -192,11 +175,6 @@ def describe_differences(different: Differences, one: str, other: str) -> str:
     words = [f"{key} is {shown(left)} {one} and {shown(right)} {other}" for key, (left, right) in different.items()]
     more = f", and {len(words) - _NAMED_KEYS} keys more differ" if len(words) > _NAMED_KEYS else ""
     return ", ".join(words[:_NAMED_KEYS]) + more
-
-
-def nearest(values: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Any, Any]]:
-    """Differences to the most similar of other cases."""
-    return min((differences(values, other) for other in others), key=len)
 
 
 def _rounded(value: Any) -> Any:

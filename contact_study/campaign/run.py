@@ -13,12 +13,12 @@ from contact_study.campaign import engines
 from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assemble_cases, last_states
 from contact_study.campaign.dataset.predictor import check_predictor
+from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.campaign.memory import require_at_once
 from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Run, prepare_run
-from contact_study.campaign.resume.resume import earlier_commits, existing_dataset, resume_run
-from contact_study.campaign.resume.work_directory import WorkDirectory
+from contact_study.campaign.resume import earlier_commits, existing_dataset, resume_run
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import check_name, is_dataset, writable_output
 from contact_study.campaign.worker.case_run import Job, run_case
@@ -29,25 +29,13 @@ from contact_study.study.study import Study
 
 @dataclass(frozen=True)
 class RunOptions:
-    """How a campaign runs; no option changes a number.
-
-    Parameters
-    ----------
-    resume, overwrite : bool
-        Whether to continue, or to replace, a dataset or unfinished run at the output.
-    workers : int or None
-        Number of processes; None for one per case, at most the cores.
-    engine : str or None
-        Name of one of :data:`contact_study.campaign.engines.ENGINES`; None for the one that the workers need.
-    scheduler : str or None
-        Address or file of a cluster's scheduler, for an engine that has one.
-    """
+    """How a campaign runs; no option changes a number."""
 
     resume: bool = False
     overwrite: bool = False
-    workers: int | None = None
+    workers: int | None = None  # None: one per case, at most the cores
     engine: str | None = None
-    scheduler: str | None = None
+    scheduler: str | None = None  # address or file
 
 
 def run_campaign(

@@ -10,8 +10,8 @@ import xarray as xr
 
 from contact_study.campaign import merge as merging
 from contact_study.campaign.dataset.file import States, states_file
+from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.campaign.model import MODELS
-from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.start import contact_merge as merge_main
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import BASE, assert_same, changed

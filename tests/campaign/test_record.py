@@ -5,7 +5,7 @@ import copy
 import pytest
 
 from contact_study.campaign.record import prepare_run
-from contact_study.campaign.resume.matching import match
+from contact_study.campaign.resume import match
 from contact_study.inputs.errors import InputError
 from contact_study.study.bins import bins_of
 from contact_study.study.study import make_study

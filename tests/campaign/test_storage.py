@@ -12,11 +12,11 @@ import pytest
 import xarray as xr
 
 from contact_study.campaign import progress
+from contact_study.campaign import resume as resume_run
 from contact_study.campaign.dataset import assembly
 from contact_study.campaign.dataset.file import States
+from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume import resume as resume_run
-from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store import case_file, records
 from contact_study.campaign.store.case_file import CaseWriter
 from contact_study.inputs.errors import InputError

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.campaign.dataset.vtk import to_vtk
+from contact_study.campaign.dataset.export import to_vtk
 from tests.campaign.test_library import STUDY
 
 

@@ -11,13 +11,13 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign import record
-from contact_study.campaign.record import differences, value_of
+from contact_study.campaign.record import differences
 from contact_study.campaign.store.files import engine_of, readable, require_dataset
 from contact_study.inputs.errors import InputError
 from contact_study.results.state import usable
 from contact_study.study.case import Case
 from contact_study.study.load_steps import path_points, path_points_of
-from contact_study.study.schema.dotted_keys import SECTIONS, same
+from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.study import Study
 
@@ -126,9 +126,22 @@ def _start_case(study: Study, case: Case) -> Case | None:
     contact = {name for section in _CONTACT for name in keys_of(SECTIONS[section])} - {*_NO_CONTACT} | {"path"}
 
     def shared(other: Case) -> int:
-        return sum(same(value_of(other, name), value_of(case, name)) for name in swept - contact)
+        return sum(same(_value_of(other, name), _value_of(case, name)) for name in swept - contact)
 
-    return max(record.matching_cases(study, case, swept & contact), key=shared, default=None)
+    def alike(other: Case) -> bool:
+        return all(same(_value_of(other, name), _value_of(case, name)) for name in swept & contact)
+
+    return max(filter(alike, study.cases), key=shared, default=None)
+
+
+def _value_of(case: Case, key: str) -> Any:
+    """Value of a key, ``"section.key"`` or the last part of a swept one; None where the case has no such key."""
+    section, _, name = key.rpartition(".")
+    for candidate in [section] if section else [one for one in SECTIONS if one not in WHOLE_STUDY]:
+        content = getattr(case, candidate)
+        if name in keys_of(type(content)):
+            return getattr(content, name)
+    return None
 
 
 def _contact_keys(case: Case) -> dict[str, Any]:

@@ -148,10 +148,10 @@ class CaseFile:
         copied: dict[_Key, Record] = {}
         if self._records:
             with self.path.open("rb") as stream:
-                for key in keys:
-                    if not records.is_whole(stream, self._records[key]):
-                        raise CampaignError(f"{self.path}: is corrupt")
-                    copied[key] = records.copy(stream, self._records[key], target)
+                try:
+                    copied = {key: records.copy(stream, self._records[key], target) for key in keys}
+                except ValueError as error:
+                    raise CampaignError(f"{self.path}: {error}") from None
         self._records = copied
 
     def _read(

@@ -4,6 +4,7 @@ A kill or a full disk leaves at most the last record incomplete; readers skip it
 """
 
 import json
+import math
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
@@ -15,7 +16,6 @@ import numpy as np
 _MARK = b"rec1"
 _HEAD = struct.Struct("<4s4sIIQ")  # mark, kind, number, checksum, bytes that follow
 _LENGTH = struct.Struct("<Q")  # of the text before the arrays
-_PIECE = 2**20  # bytes per read
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,8 @@ def append(stream: BinaryIO, kind: bytes, number: int, values: Mapping[str, Any]
     shapes = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
     # Python's JSON writes the shortest digits that give the same double, and NaN and infinities by name.
     text = json.dumps([scalars, extra, shapes]).encode()
-    pieces: list[bytes | memoryview] = [_LENGTH.pack(len(text)), text, *(_bytes_of(array) for array in arrays.values())]
+    bodies = (array.reshape(-1).view(np.uint8).data for array in arrays.values())
+    pieces: list[bytes | memoryview] = [_LENGTH.pack(len(text)), text, *bodies]
     length = sum(len(piece) for piece in pieces)
     checksum = _checksum_of_head(kind, number, length)
     for piece in pieces:
@@ -73,15 +74,24 @@ def append(stream: BinaryIO, kind: bytes, number: int, values: Mapping[str, Any]
     return Record(kind, number, start, start + _HEAD.size + length, checksum)
 
 
+def content_of(stream: BinaryIO, record: Record) -> bytes:
+    """Read the bytes after the head of a record; raises ValueError if it is corrupt."""
+    stream.seek(record.start + _HEAD.size)
+    content = stream.read(record.size - _HEAD.size)
+    if zlib.crc32(content, _checksum_of_head(record.kind, record.number, record.size - _HEAD.size)) != record.checksum:
+        raise ValueError("is corrupt")
+    return content
+
+
 def read(stream: BinaryIO, record: Record) -> tuple[dict[str, Any], Any]:
     """Read values and extra of a record; raises ValueError if it is corrupt."""
-    if not is_whole(stream, record):
-        raise ValueError("is corrupt")
-    scalars, extra, shapes = _text(stream, record)
-    arrays = {name: np.empty(shape, kind) for name, kind, shape in shapes}
-    for array in arrays.values():
-        stream.readinto(_bytes_of(array))  # type: ignore[attr-defined]
-    return {**scalars, **arrays}, extra
+    content = content_of(stream, record)
+    values, extra, shapes = _text(stream, record)
+    start = stream.tell() - record.start - _HEAD.size
+    for name, kind, shape in shapes:
+        values[name] = np.frombuffer(content, kind, math.prod(shape), start).reshape(shape).copy()
+        start += values[name].nbytes
+    return values, extra
 
 
 def read_text(stream: BinaryIO, record: Record) -> tuple[dict[str, Any], Any]:
@@ -92,21 +102,16 @@ def read_text(stream: BinaryIO, record: Record) -> tuple[dict[str, Any], Any]:
 
 def is_whole(stream: BinaryIO, record: Record) -> bool:
     """Whether the checksum of a record is right."""
-    stream.seek(record.start + _HEAD.size)
-    left = record.size - _HEAD.size
-    checksum = _checksum_of_head(record.kind, record.number, left)
-    while left and (piece := stream.read(min(left, _PIECE))):
-        checksum = zlib.crc32(piece, checksum)
-        left -= len(piece)
-    return not left and checksum == record.checksum
+    try:
+        return bool(content_of(stream, record))
+    except ValueError:
+        return False
 
 
 def copy(stream: BinaryIO, record: Record, target: BinaryIO) -> Record:
-    """Append a record of one file to another."""
-    start = target.tell()
-    stream.seek(record.start)
-    for first in range(0, record.size, _PIECE):
-        target.write(stream.read(min(_PIECE, record.size - first)))
+    """Append a record of one file to another; raises ValueError if it is corrupt."""
+    start, content = target.tell(), content_of(stream, record)
+    target.write(_HEAD.pack(_MARK, record.kind, record.number, record.checksum, len(content)) + content)
     return replace(record, start=start, end=target.tell())
 
 
@@ -118,7 +123,3 @@ def _text(stream: BinaryIO, record: Record) -> Any:
 
 def _checksum_of_head(kind: bytes, number: int, length: int) -> int:
     return zlib.crc32(_HEAD.pack(_MARK, kind, number, 0, length))
-
-
-def _bytes_of(array: np.ndarray) -> memoryview:
-    return array.reshape(-1).view(np.uint8).data

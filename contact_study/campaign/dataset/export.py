@@ -1,4 +1,4 @@
-"""Export of the atoms of a case to extended XYZ, for OVITO and ASE: one frame per point of the path."""
+"""Exports of one case along its path: its fields to ParaView, its atoms to extended XYZ for OVITO and ASE."""
 
 from functools import partial
 from pathlib import Path
@@ -14,12 +14,82 @@ from contact_study.inputs.errors import InputError
 if TYPE_CHECKING:
     from ase import Atoms
 
+# VTK has no units; the arrays have them in their names.
+_FIELDS = {"gap": ("gap (nm)", 1e9), "pressure": ("pressure (MPa)", 1e-6), "height": ("height (nm)", 1e9)}
+_LENGTH = 1e9  # positions in nm: VTK takes a spacing in metres for zero
+
 # No element: mass and springs of an atom are those of the study.
 _UNKNOWN = "X"
 _SUBSTRATE_LEVEL = -1
 
 _ANGSTROM, _GIGAPASCAL, _ANGSTROM_PER_PICOSECOND = 1e-10, 1e9, 1e2
 _UNITS = "positions angstrom, velo angstrom/ps, stresses GPa, masses u"
+
+
+def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
+    """Write gap, pressure and height of one case along its path, for ParaView.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of a simulation with ``output.fields = true``, at one point of its sweep: ``dataset.sel(seed=1)``.
+    path : path-like
+        The series, with the suffix ``.pvd``; its images go into a folder of that name. Its times are step numbers.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files that were written, the series first.
+
+    Raises
+    ------
+    ValueError
+        If the dataset has no fields or more than one case, the name does not end in ``.pvd`` or cannot be written, or
+        the extra ``vtk`` is not installed.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import to_vtk
+    >>> to_vtk(xr.open_dataset("bem.nc").sel(seed=1), "contact.pvd")  # doctest: +SKIP
+    """
+    path = named_file(path)
+    if path.suffix != ".pvd":
+        raise InputError(f"{path}: expected a name that ends in .pvd")
+    if "gap" not in dataset or "pressure" not in dataset:
+        raise InputError("dataset: holds no fields; run its study with output.fields = true")
+    _require_one_case(dataset["gap"])
+    try:
+        from pyevtk.hl import imageToVTK
+        from pyevtk.vtk import VtkGroup
+    except ImportError:
+        raise InputError("VTK files need pip install '.[vtk]'") from None
+    writable_output(path)
+    folder = path.with_suffix("")
+    folder.mkdir(exist_ok=True)
+    images = []
+    spacing = [float(dataset[name].values[1] - dataset[name].values[0]) * _LENGTH for name in ("x", "y")]
+    for step in range(dataset.sizes["step"]):
+        fields = {
+            title: _image(dataset[name].isel(step=step) if "step" in dataset[name].dims else dataset[name], scale)
+            for name, (title, scale) in _FIELDS.items()
+            if name in dataset
+        }
+        if np.all(np.isnan(fields[_FIELDS["pressure"][0]])):
+            continue  # beyond the end of a path shorter than others
+        written = imageToVTK(str(folder / f"step_{step:04d}"), spacing=(*spacing, max(spacing)), pointData=fields)
+        images.append((step, Path(written)))
+    series = VtkGroup(str(path.with_suffix("")))
+    for step, image in images:
+        series.addFile(str(image), step)
+    series.save()
+    return [path, *(image for _, image in images)]
+
+
+def _image(field: xr.DataArray, scale: float) -> np.ndarray:
+    """A field (y, x) as an image (x, y, 1); infinite values become NaN."""
+    values = scale * field.transpose("x", "y").values.astype(float)
+    return np.where(np.isfinite(values), values, np.nan)[:, :, None]
 
 
 def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
@@ -61,9 +131,7 @@ def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
         raise InputError(f"{path}: expected a name that ends in .xyz")
     if "atom_height" not in dataset:
         raise InputError('dataset: holds no atoms; run its study with output.atoms = "surface"')
-    others = [str(dim) for dim in dataset["atom_height"].dims if dim not in ("step", "y", "x")]
-    if others:
-        raise InputError(f"dataset: choose one of each {', '.join(others)}, as by dataset.isel({others[0]}=0)")
+    _require_one_case(dataset["atom_height"])
     try:
         from ase.io import write
     except ImportError:
@@ -133,3 +201,9 @@ def _surface(state: xr.Dataset) -> np.ndarray:
 def _vectors(state: xr.Dataset, *names: str) -> np.ndarray:
     """Components side by side, one row per atom."""
     return np.stack([state[name].values.ravel() for name in names], axis=-1)
+
+
+def _require_one_case(field: xr.DataArray) -> None:
+    others = [str(dim) for dim in field.dims if dim not in ("step", "y", "x")]
+    if others:
+        raise InputError(f"dataset: choose one of each {', '.join(others)}, as by dataset.isel({others[0]}=0)")
