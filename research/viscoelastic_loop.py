@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bem_adhesion import LennardJones93, Viscoelastic, ViscoelasticContact, rough_contact
-from bem_adhesion.study.viscoelastic import TimeState, follow_in_time
+from bem_adhesion.study.viscoelastic import TimeState, steps_in_time
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.study.case import realise
@@ -77,10 +77,10 @@ def loop(heights: np.ndarray, surface: Surface, duration: float, steps: int) -> 
     contact = ViscoelasticContact(heights, surface.size, solid, LAW, control="gap")
     # The start is come to so slowly that it is at rest.
     first = TimeState(contact.first_gap - LAW.equilibrium_distance)
-    solution, now = follow_in_time(contact, contact.separated(), first, OUT, 1e6 * TIME, 1)
+    *_, (solution, now) = steps_in_time(contact, contact.separated(), first, OUT, 1e6 * TIME, 1)
     start, gaps, pressures = now.dissipated, [OUT], [float(solution.pressure.mean())]
     for gap in way(steps):
-        solution, now = follow_in_time(contact, solution.state, now, gap, duration * TIME / steps, 1)
+        *_, (solution, now) = steps_in_time(contact, solution.state, now, gap, duration * TIME / steps, 1)
         if not solution.converged:
             raise RuntimeError(f"T/τ = {duration:g}, gap {gap:.3g} m: {solution.message}")
         gaps.append(gap)

@@ -189,7 +189,15 @@ def balancing_shift(pressure, free, bound, total):
     low, high = -largest, bound - smallest
     shift, previous = 0.0, np.inf
     for _ in range(_MOST_SHIFTS):
-        carried, inside, full = _carried(pressure, free, bound, shift)
+        carried, inside, full = 0.0, 0, 0
+        for i in range(pressure.size):
+            if free[i]:
+                p = pressure[i] + shift
+                if p >= bound:
+                    full += 1
+                elif p > 0:
+                    carried += p
+                    inside += 1
         # Counted, not summed: near saturation a sum would lose the small rest.
         missing = total - (saturated + full) * bound - carried
         if abs(missing) <= 1e-15 * total:
@@ -219,21 +227,6 @@ def carry(pressure, free, bound, total):
             if 0 < p < bound:
                 p += rest
             pressure[i] = min(max(p, 0.0), bound)
-
-
-@kernel
-def _carried(pressure, free, bound, shift):
-    """Return what the shifted free points between the bounds carry, their number, and the number above."""
-    total, inside, full = 0.0, 0, 0
-    for i in range(pressure.size):
-        if free[i]:
-            p = pressure[i] + shift
-            if p >= bound:
-                full += 1
-            elif p > 0:
-                total += p
-                inside += 1
-    return total, inside, full
 
 
 @kernel

@@ -12,7 +12,7 @@ import numpy as np
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.operators.load import Load
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
-from bem_adhesion.study.state import interface_state
+from bem_adhesion.study.state import interface_state, solver_options
 from contact_study.numerics.balance import excess
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results import overdamped_path
@@ -54,9 +54,7 @@ class OverdampedContact(AdhesiveContact):
     """
 
     def __init__(self, case: Case, surface: Surface, allowed: float):
-        given, solid = case.solver, case.solid
-        limits = given.tolerance, given.max_iterations, max(1, given.threads)
-        super().__init__(surface.sampled, surface.grid, solid, case.law, "pressure", *limits)
+        super().__init__(surface.sampled, surface.grid, case.solid, case.law, **solver_options(case))
         self._case, self._spacing = case, surface.grid.spacing
         self._allowed = allowed / self._length
         self._pairs = self.levels.equivalent_pairs(self._grid)  # at the last count of the work

@@ -9,7 +9,7 @@ import numpy as np
 from bem_adhesion.contacts.rough_contact import Contact, contact_between
 from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import EnergyLedger, adaptive_step, ledger_of, passed_states
-from bem_adhesion.study.state import interface_state
+from bem_adhesion.study.state import interface_state, solver_options
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
@@ -25,7 +25,8 @@ def path_of_equilibria(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
 ) -> Iterator[InterfaceState]:
     """Yield the equilibrium at each point of a case's path; parameters as for :func:`solve_path`."""
-    contact = _contact_of(case, surface)
+    kind = case.solid, case.law, case.elasticity.boundary, case.material.hardness
+    contact = contact_between(surface.sampled, surface.grid, *kind, **solver_options(case))
     state, ledger = contact.separated() if restart is None else restart["state"], None
     if restart is not None:
         ledger = EnergyLedger.of(restart["account"]) if "account" in restart else None
@@ -64,21 +65,6 @@ def _next(
     noise = _NOISE * case.law.work_of_adhesion
     solution, (_, *passed) = adaptive_step(contact, state, ledger, target, case.least_step, case.solid, noise)
     return solution, passed[-1] if passed else ledger, passed
-
-
-def _contact_of(case: Case, surface: Surface) -> Contact:
-    return contact_between(
-        surface.sampled,
-        surface.grid,
-        case.solid,
-        case.law,
-        case.elasticity.boundary,
-        case.material.hardness,
-        control=case.loading.control,
-        tolerance=case.solver.tolerance,
-        max_iterations=case.solver.max_iterations,
-        threads=max(1, case.solver.threads),
-    )
 
 
 def _warn_of_rim(case: Case, number: int, found: InterfaceState, warned: set[str]) -> None:

@@ -1,11 +1,20 @@
 """A solution of the continuum as the campaign's state of the interface."""
 
+from typing import Any
+
 import numpy as np
 
 from bem_adhesion.solution import Solution
 from contact_study.physics.solids import Elasticity
 from contact_study.results.state import InterfaceState, SolverReport
 from contact_study.study.case import Case
+
+
+def solver_options(case: Case) -> dict[str, Any]:
+    """Return the options of a contact that a case gives its solver."""
+    given = case.solver
+    limits = {"tolerance": given.tolerance, "max_iterations": given.max_iterations, "threads": max(1, given.threads)}
+    return {"control": case.loading.control, **limits}
 
 
 def separation_of(solution: Solution, solid: Elasticity) -> float:

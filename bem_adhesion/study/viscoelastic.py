@@ -11,7 +11,7 @@ from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.process_zone import TOO_COARSE
 from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import ledger_of, passed_states
-from bem_adhesion.study.state import interface_state
+from bem_adhesion.study.state import interface_state, solver_options
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
@@ -43,31 +43,14 @@ def steps_in_time(
         state = solution.state
 
 
-def follow_in_time(
-    contact: ViscoelasticContact, state: np.ndarray, before: TimeState, target: float, duration: float, steps: int
-) -> tuple[Solution, TimeState]:
-    """Return the end of :func:`steps_in_time`."""
-    *_, last = steps_in_time(contact, state, before, target, duration, steps)
-    return last
-
-
 def path_in_time(
     case: Case, surface: Surface, solid: Viscoelastic, restart: Mapping[str, np.ndarray] | None, start: int
 ) -> Iterator[InterfaceState]:
     """Yield the states of a case's path with their times; parameters as for :func:`solve_path`."""
-    solver, loading = case.solver, case.loading
+    loading = case.loading
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study warns for all cases
-        contact = ViscoelasticContact(
-            surface.sampled,
-            surface.grid.size,
-            solid,
-            case.law,
-            control=loading.control,
-            tolerance=solver.tolerance,
-            max_iterations=solver.max_iterations,
-            threads=max(1, solver.threads),
-        )
+        contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, **solver_options(case))
     if restart is None:
         out_of_reach = contact.first_gap - case.law.equilibrium_distance
         state, now = contact.separated(), TimeState(0.0 if loading.control == "pressure" else out_of_reach)

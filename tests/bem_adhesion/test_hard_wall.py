@@ -139,6 +139,9 @@ def test_full_contact_is_the_linear_solution(fraction):
     assert found.converged
     assert np.all(found.gap == 0)
     np.testing.assert_allclose(found.pressure, linear + pressure, atol=1e-13 * (pressure + linear.max()))
+    closed = at(HardWallContact(height, grid, CONTACT_MODULUS, "gap"), 0.0)
+    assert not closed.gap.any()
+    assert closed.pressure.mean() == pytest.approx(-linear.min(), rel=1e-9)
     # One pair on each of 64² and 32².
     assert found.fft_pairs == pytest.approx(1.25)
 

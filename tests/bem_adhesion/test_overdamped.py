@@ -58,6 +58,16 @@ class Motion:
         return self.flexure(gap) + 20 * self.work / (3 * R0) * (s**5 - s**11) + self.load
 
 
+def test_friction_balances_what_a_step_leaves():
+    motion = Motion()
+    contact, drag = OverdampedContact(motion.case, motion.surface, 0.05 * R0), motion.stiffness.max()
+    start = contact.separated()
+    moved = contact.advance(start, motion.load, drag)
+    friction, force = drag * (moved.state - start), np.abs(motion.slope(start)).max()
+    assert np.abs(friction).max() > 0.3 * force
+    np.testing.assert_allclose(motion.slope(moved.state), -friction, atol=0.11 * force)  # solved to a tenth of it
+
+
 @pytest.mark.parametrize("law", ["lennard_jones_10_4", "exponential"])
 def test_energy_never_rises_and_rest_is_an_equilibrium(law):
     interaction = {"law": law, "well_depth_ratio": 4.0, "contact_distance": None}

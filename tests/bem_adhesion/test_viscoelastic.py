@@ -6,7 +6,7 @@ import pytest
 import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
-from bem_adhesion.study.viscoelastic import TimeState, follow_in_time
+from bem_adhesion.study.viscoelastic import TimeState, steps_in_time
 from contact_study.physics.solids import Viscoelastic
 from tests.bem_adhesion.rough_surfaces import SIZE, self_affine
 from tests.bem_adhesion.test_studies import viscoelastic
@@ -31,7 +31,7 @@ def relaxing(height, law=None, size=SIZE, solid=SOLID, **options):
 def followed(contact, targets, duration, steps):
     state, now, found = contact.separated(), TimeState(0.0), []
     for target in targets:
-        solution, now = follow_in_time(contact, state, now, target, duration, steps)
+        *_, (solution, now) = steps_in_time(contact, state, now, target, duration, steps)
         state = solution.state
         found.append((solution, now))
     return found
@@ -119,11 +119,11 @@ def test_work_of_the_load_is_stored_or_dissipated():
         """Over a cycle of one second up and one down, from 10 MPa on; as a share of what is dissipated."""
         contact = relaxing(height)
         state, now = contact.separated(), TimeState(0.0)
-        solution, now = follow_in_time(contact, state, now, 1e7, 1.0, 4)
+        *_, (solution, now) = steps_in_time(contact, state, now, 1e7, 1.0, 4)
         work, stored, dissipated = 0.0, solution.elastic_energy, now.dissipated
         for target in [*np.linspace(1e7, 4e7, steps + 1)[1:], *np.linspace(4e7, 1e7, steps + 1)[1:]]:
             before = solution
-            solution, now = follow_in_time(contact, solution.state, now, target, 1.0 / steps, 1)
+            *_, (solution, now) = steps_in_time(contact, solution.state, now, target, 1.0 / steps, 1)
             pressures = before.pressure.mean() + solution.pressure.mean()
             work -= 0.5 * pressures * (solution.gap.mean() - before.gap.mean())
         lost = now.dissipated - dissipated
