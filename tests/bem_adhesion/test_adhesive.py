@@ -67,8 +67,8 @@ def test_gradient_is_that_of_the_energy_to_second_order(monkeypatch):
         assert one == pytest.approx(other, rel=1e-10)
 
 
-@pytest.mark.parametrize("shape", [(24, 24), (15, 18)])
-def test_linear_solver_against_a_dense_matrix(shape):
+def test_linear_solver_against_a_dense_matrix():
+    shape = (15, 18)
     grid = Grid(shape, (60.0, 50.0))
     rng = np.random.default_rng(2)
     points = grid.points

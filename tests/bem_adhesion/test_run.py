@@ -154,13 +154,6 @@ def test_a_law_that_no_grid_point_feels_is_refused(keys):
     assert review(64, surface=keys, **HARD_WALL) == []
 
 
-def test_rubber_with_an_atomic_law_is_served():
-    """Its process zone is a hundredth of the law's length: the JKR limit, coarse on any grid, absurd on none."""
-    soft = {"material": {"youngs_modulus": 2e6}, "interaction": {"work_of_adhesion": 0.05, "length": 3e-10}}
-    (note,) = review(64, surface={"size": 1e-4, "rms_height": 1e-6}, **soft)
-    assert "the process zone 1.23 pm: contact edges are trapped" in note
-
-
 def test_below_one_point_a_process_zone_the_state_is_said_to_depend_on_the_way():
     """Four points resolve it, up to one what is loaded is one state."""
     assert review(64) == []  # 5.2 points
