@@ -87,7 +87,9 @@ class AdhesiveContact:
         self._window = window or Window(grid.shape)
         self._local = LocalEnergy(law, window=window)
         solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
-        typical_stiffness = float(solid.stiffness(self._typical_wavenumber()))
+        inside, (dy, dx) = self._window.inside(height) / self._length, self._grid.spacing
+        wavenumber = typical_wavenumber(inside, Grid(inside.shape, (inside.shape[0] * dy, inside.shape[1] * dx)))
+        typical_stiffness = float(solid.stiffness(wavenumber))
         # Without softening there is no tail: the shift then only separates points that touch from those that do not.
         softening = self._law.strongest_softening or self._law.equilibrium_stiffness
         shift = PRECONDITIONER_SHIFT * np.sqrt(softening * typical_stiffness)
@@ -101,10 +103,6 @@ class AdhesiveContact:
         self.levels = MultigridSolver(self._grid, make_operator, self._law, shift, window, subdomains=solid.on_any_grid)
         self._heights = Load.of_heights(self.levels.finest.solid, height, 1 / self._length)
 
-    def _typical_wavenumber(self) -> float:
-        inside, (dy, dx) = self._window.inside(self.height) / self._length, self._grid.spacing
-        return typical_wavenumber(inside, Grid(inside.shape, (inside.shape[0] * dy, inside.shape[1] * dx)))
-
     def separated(self) -> np.ndarray:
         """Return the displacement of the undeformed solid just out of reach of the law (m)."""
         return np.full(self.height.shape, self.height.max() + self._reach)
@@ -114,7 +112,12 @@ class AdhesiveContact:
         """Find the equilibrium that a displacement (m) descends to under a new load, see :meth:`Contact.step`."""
         state, target = step_arguments(self.control, target, state, self.height.shape)
         gap = self._gap_of(state)
-        self._check_start(self._window.inside(gap))
+        closest = self._window.inside(gap).min()
+        if self.law.has_wall:
+            if closest < 0:
+                raise ValueError("the state to start from has gaps < 0")
+        elif self.law.diverges and not closest > 0:
+            raise ValueError("the state to start from has gaps <= 0")
         out_of_reach = self._out_of_reach(gap)
         before = self.levels.equivalent_pairs(self._grid)
         if self.control == "gap":
@@ -123,8 +126,8 @@ class AdhesiveContact:
                 gap += max(mean_gap - gap.mean(), 0.0)
             result = self._hold_gap(gap, mean_gap, out_of_reach)
         elif self.control == "approach":
-            closest = float(self._window.inside(self.height).max()) + self.law.equilibrium_distance
-            result = self._hold_approach(gap, (closest - target) / self._length, out_of_reach)
+            first_touch = float(self._window.inside(self.height).max()) + self.law.equilibrium_distance
+            result = self._hold_approach(gap, (first_touch - target) / self._length, out_of_reach)
         elif out_of_reach and target <= 0:
             return self._apart(Outcome.APART)
         else:
@@ -145,14 +148,6 @@ class AdhesiveContact:
             touching = TOUCHING * max(self.height.max(), -self.height.min()) / self._length
             over_surface[np.abs(over_surface) <= touching] = 0.0
         return gap
-
-    def _check_start(self, gap: np.ndarray) -> None:
-        """Refuse a gap at which the law has no force, or beyond the wall."""
-        if self.law.has_wall:
-            if gap.min() < 0:
-                raise ValueError("the state to start from has gaps < 0")
-        elif self.law.diverges and not gap.min() > 0:
-            raise ValueError("the state to start from has gaps <= 0")
 
     def _out_of_reach(self, gap: np.ndarray) -> bool:
         """Return whether the law acts on no point, for a gap in units of its length."""

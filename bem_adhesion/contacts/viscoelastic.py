@@ -156,7 +156,10 @@ class ViscoelasticContact:
 
         Within the step h = A exp(−t/τ) + B, B = τ u', and a branch dissipates E h²/τ per time.
         """
-        product = self._product
+
+        def product(one: np.ndarray, other: np.ndarray) -> float:
+            return float(np.sum(self._weight * (one.real * other.real + one.imag * other.imag)))
+
         moved, shown = fourier.transform(change), fourier.transform(displacement)
         stored = 0.5 * self.solid.contact_modulus * product(shown, shown)
         dissipated = 0.0
@@ -171,7 +174,3 @@ class ViscoelasticContact:
                 + share * product(even, even)
             )
         return stored, dissipated
-
-    def _product(self, one: np.ndarray, other: np.ndarray) -> float:
-        """Return the mean of f K g for a contact modulus of one, from the transforms of f and g."""
-        return float(np.sum(self._weight * (one.real * other.real + one.imag * other.imag)))

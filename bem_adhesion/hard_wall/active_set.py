@@ -14,7 +14,6 @@ the energy falls (D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982)): the i
 """
 
 from collections.abc import Iterator
-from functools import cached_property
 
 import numpy as np
 
@@ -197,12 +196,15 @@ class ContactLevel:
         heights, contact, pressure = self.heights.reshape(-1), self.contact.reshape(-1), self.pressure.reshape(-1)
         floor = max(0.3 * tolerance, 4 * np.finfo(float).eps * self._largest_height)
         bound, total = self._bound, mean_pressure * self.grid.points
+        stiffness, moved = self.single.largest, np.empty(pressure.size)
         self._bring_within(mean_pressure)
         displacement = self._displaced()
         energy = kernels.energy(displacement, heights, pressure)
         iteration = 0
         while True:
-            self._offset = self._multiplier(displacement, total)
+            # At the solution it is that of the points between the bounds; where there are few, those at them decide.
+            present = kernels.descended(displacement, heights, pressure, stiffness, moved)
+            self._offset = kernels.balancing_shift(moved, present, bound, total)[0] / stiffness
             error = kernels.judge(displacement, heights, self._offset, pressure, bound, contact)
             self._double.mark("iteration", error)
             if error <= tolerance:
@@ -226,14 +228,6 @@ class ContactLevel:
                 self._displaced()
                 return error, iteration, Outcome.STALLED
 
-    def _multiplier(self, displacement: np.ndarray, total: float) -> float:
-        """Return the offset at which a step along the gradient, brought within the bounds, keeps the load."""
-        stiffness = self.single.largest
-        moved = np.empty(displacement.size)
-        heights, pressure = self.heights.reshape(-1), self.pressure.reshape(-1)
-        present = kernels.descended(displacement, heights, pressure, stiffness, moved)
-        return kernels.balancing_shift(moved, present, self._bound, total)[0] / stiffness
-
     def _trials(self, displacement: np.ndarray, floor: float) -> Iterator[np.ndarray]:
         """Yield pressures to try, flat, before they are brought within the bounds.
 
@@ -248,16 +242,11 @@ class ContactLevel:
         change = pressure - before
         for fraction in FRACTIONS:
             yield before + fraction * change
-        length = self.single.largest
-        while length > self._softest:
+        length, stiffness_q = self.single.largest, self._double.stiffness * self.grid.points
+        softest = 0.5 * float(stiffness_q[stiffness_q > 0].min())
+        while length > softest:
             yield before + length * downhill
             length *= 0.5
-
-    @cached_property
-    def _softest(self) -> float:
-        """Half the smallest stiffness of a wave."""
-        stiffness_q = self._double.stiffness * self.grid.points
-        return 0.5 * float(stiffness_q[stiffness_q > 0].min())
 
     def _displaced(self) -> np.ndarray:
         """Return the displacement under the present pressure, flat."""

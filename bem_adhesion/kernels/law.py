@@ -98,25 +98,23 @@ class LawKernels:
         :meth:`TractionLaw.repulsive_gap`; another in its gap, into repulsion along the tangent at equilibrium, down to
         a pressure of LANDING times the law's peak. Otherwise one point deep in repulsion would shorten all steps.
         """
+        law = self.law
+        equilibrium, tangent = law.equilibrium_distance, law.equilibrium_stiffness
+        # Without a peak there is nothing to overshoot: points end on the tangent.
+        largest = LANDING * law.peak_tensile_stress or np.inf
         for here in blocks(gap):
-            _advance(self.law, gap[here], step[here], limit, out[here])
-
-
-def _advance(law: TractionLaw, gap: np.ndarray, step: np.ndarray, limit: float, out: np.ndarray) -> None:
-    equilibrium, tangent = law.equilibrium_distance, law.equilibrium_stiffness
-    np.add(gap, np.clip(step, -limit * gap, limit * gap), out=out)
-    # The law's functions are called for these few points alone.
-    near = np.minimum(gap, out) < equilibrium
-    gap, step, moved = gap[near], step[near], out[near]
-    repelled = gap < equilibrium
-    # Without a peak there is nothing to overshoot: points end on the tangent.
-    largest = LANDING * law.peak_tensile_stress or np.inf
-    traction = np.maximum(tangent * (moved - equilibrium), -largest)
-    traction[repelled] = law.traction(gap[repelled]) + law.stiffness(gap[repelled]) * step[repelled]
-    moved[repelled] = equilibrium + np.minimum(traction[repelled] / tangent, limit * equilibrium)
-    pressed = traction < 0
-    moved[pressed] = law.repulsive_gap(traction[pressed])
-    out[near] = moved
+            was, by = gap[here], step[here]
+            np.add(was, np.clip(by, -limit * was, limit * was), out=out[here])
+            # The law's functions are called for these few points alone.
+            near = np.minimum(was, out[here]) < equilibrium
+            was, by, moved = was[near], by[near], out[here][near]
+            repelled = was < equilibrium
+            traction = np.maximum(tangent * (moved - equilibrium), -largest)
+            traction[repelled] = law.traction(was[repelled]) + law.stiffness(was[repelled]) * by[repelled]
+            moved[repelled] = equilibrium + np.minimum(traction[repelled] / tangent, limit * equilibrium)
+            pressed = traction < 0
+            moved[pressed] = law.repulsive_gap(traction[pressed])
+            out[here][near] = moved
 
 
 @kernel
@@ -221,7 +219,7 @@ def _evaluation(exponent: int) -> Callable[..., float]:
 
 
 @cache
-def _advancing(exponent: int) -> Callable[..., None]:
+def _advance(exponent: int) -> Callable[..., None]:
     """Compile :meth:`LawKernels.advance` for one exponent."""
     low, high = float(exponent), exponent + 6.0
     touching = [each ** (1 / high) for each in _TANGENTS]
@@ -276,7 +274,7 @@ class LennardJonesKernels(LawKernels):
         return law.prefactor * float(total)
 
     def advance(self, gap, step, limit, out):
-        law, advance = self.law, _advancing(self.law.exponent)
+        law, advance = self.law, _advance(self.law.exponent)
         landing = LANDING * law.peak_tensile_stress / law.prefactor
         advance(gap.reshape(-1), step.reshape(-1), limit, law.length, landing, out.reshape(-1))
 
