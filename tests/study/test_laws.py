@@ -200,10 +200,7 @@ def test_scaling_changes_units_only(law):
 
 @pytest.mark.parametrize("name", KEYS)
 def test_a_study_makes_every_law(name):
-    table = changed("loading", path=["1 GPa"])
-    table["interaction"] = {"law": name, **KEYS[name]}
-    (case,) = make_study(table).cases
-    law, expected = case.law, EVERY_LAW[name]
+    law, expected = study_with(law=name, **KEYS[name]).cases[0].law, EVERY_LAW[name]
     assert type(law) is type(expected)
     gap = np.array([0.9e-10, 3.3e-10, 5e-10])
     np.testing.assert_allclose(law.potential(gap), expected.potential(gap), rtol=1e-12)
@@ -306,10 +303,6 @@ def test_a_table_ends_as_its_last_points_fall(rows, fading):
 PEAK = int(np.argmax(TABLE_TRACTIONS))
 
 
-def table_of(gap=TABLE_GAPS, traction=TABLE_TRACTIONS):
-    return gap, traction
-
-
 def changed_point(index, value):
     return TABLE_GAPS, np.where(np.arange(100) == index, value, TABLE_TRACTIONS)
 
@@ -317,16 +310,16 @@ def changed_point(index, value):
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        (table_of(TABLE_GAPS[:4], TABLE_TRACTIONS[:4]), "at least 5 gaps"),
-        (table_of(TABLE_GAPS[:-1]), "as many tractions as gaps"),
-        (table_of(TABLE_GAPS[::-1], TABLE_TRACTIONS[::-1]), "increasing order"),
-        (table_of(TABLE_GAPS - TABLE_GAPS[0]), "positive gaps"),
-        (table_of(TABLE_GAPS[20:], TABLE_TRACTIONS[20:]), "no core: .*, a repulsion$"),  # no sign of a sign
-        (table_of(traction=-np.abs(TABLE_TRACTIONS)), "does not attract"),
-        (table_of(TABLE_GAPS[:30], TABLE_TRACTIONS[:30]), "ends at a tension"),
+        ((TABLE_GAPS[:4], TABLE_TRACTIONS[:4]), "at least 5 gaps"),
+        ((TABLE_GAPS[:-1], TABLE_TRACTIONS), "as many tractions as gaps"),
+        ((TABLE_GAPS[::-1], TABLE_TRACTIONS[::-1]), "increasing order"),
+        ((TABLE_GAPS - TABLE_GAPS[0], TABLE_TRACTIONS), "positive gaps"),
+        ((TABLE_GAPS[20:], TABLE_TRACTIONS[20:]), "no core: .*, a repulsion$"),  # no sign of a sign
+        ((TABLE_GAPS, -np.abs(TABLE_TRACTIONS)), "does not attract"),
+        ((TABLE_GAPS[:30], TABLE_TRACTIONS[:30]), "ends at a tension"),
         (changed_point(5, TABLE_TRACTIONS[4]), "fall steadily"),
         (changed_point(70, -1e3), "repels again at a gap of .* smooth the measurement there, or end the table before"),
-        (table_of(traction=-TABLE_TRACTIONS), "no core: .*, a repulsion; tension is positive .* change all signs"),
+        ((TABLE_GAPS, -TABLE_TRACTIONS), "no core: .*, a repulsion; tension is positive .* change all signs"),
         (changed_point(70, TABLE_TRACTIONS[69] * 1.001), "second peak"),
         (changed_point(PEAK - 2, 0.99 * TABLE_TRACTIONS[PEAK - 3]), "second peak"),
         (changed_point(0, TABLE_TRACTIONS[1] * 1.001), "grows as the power"),
@@ -338,14 +331,16 @@ def test_bad_tables_are_named(table, words):
         TabulatedLaw.through(*table)
 
 
-def study_with(tmp_path, **keys):
+def study_with(folder=".", law="tabulated", **keys):
     table = changed("loading", path=["1 GPa"])
-    table["interaction"] = {"law": "tabulated", **keys}
-    return make_study(table, tmp_path)
+    table["interaction"] = {"law": law, **keys}
+    return make_study(table, folder)
 
 
 def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
-    lines = [f"{gap * 1e10:.12g}, {traction * 1e-9:.12g}" for gap, traction in zip(*table_of(), strict=True)]
+    lines = [
+        f"{gap * 1e10:.12g}, {traction * 1e-9:.12g}" for gap, traction in zip(TABLE_GAPS, TABLE_TRACTIONS, strict=True)
+    ]
     (tmp_path / "law.txt").write_text("# gap (angstrom), traction (GPa)\n" + "\n".join(lines))
     found = study_with(tmp_path, path="law.txt", gap_unit="angstrom", traction_unit="GPa", well_depth_ratio=2.0)
     law = found.cases[0].law
@@ -364,7 +359,7 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
         ({"path": "law.txt", "gap": [1e-10]}, r"interaction\.path and interaction\.gap"),
         (
             {"path": "words.txt"},
-            r"^interaction\.path: \S*words\.txt is no table of numbers: line 2 is 'gap, traction'; remove words, or",
+            r"^interaction\.path: \S*words\.txt is no table of numbers: line 2 is .* remove words",
         ),
         ({"path": "semicolons.txt"}, r"line 1 is '1;2'; .* columns by blanks, tabs or commas$"),
         ({"path": "ragged.txt"}, r"ragged\.txt is no table of numbers: line 4 has 1 of them, line 2 has 2$"),
@@ -374,9 +369,16 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
         ({"path": "two.txt", "traction_unit": "m"}, r"^interaction\.traction_unit = 'm': is no unit that .* to Pa$"),
         ({"path": "two.txt"}, "interaction: the table of the law needs at least 5 gaps"),
         ({"path": "two.txt", "work_of_adhesion": 1.0}, r"interaction\.work_of_adhesion: .* from the table"),
+        ({"law": "morse", "work_of_adhesion": 1.0, "length": R0}, r"missing key interaction\.range"),
+        ({"law": "morse", "well_depth": 1e-20, "length": R0, "range": R0}, r"interaction\.well_depth"),
+        ({**KEYS["exponential_core"], "law": "exponential_core", "core": 2e-10}, r"interaction\.core .* shorter than"),
+        ({**KEYS["dugdale_core"], "law": "dugdale_core", "core": 0.5e-10}, r"interaction\.core .* the ramp"),
+        ({**KEYS["dugdale"], "law": "dugdale", "ramp": 0.6}, r"interaction\.ramp = 0\.6"),
+        ({"law": "repulsive", "length": R0, "work_of_adhesion": 1.0, "repulsion": 1.0}, "does not attract"),
+        ({"law": "repulsive", "length": R0}, r"missing key interaction\.repulsion"),
     ],
 )
-def test_a_table_that_cannot_be_used_is_one_line(tmp_path, keys, words):
+def test_keys_and_tables_that_make_no_law_are_one_line(tmp_path, keys, words):
     for name, text in {
         "law": "1 2 3\n4 5 6\n",
         "two": "1 -2\n4 5\n",
@@ -390,36 +392,16 @@ def test_a_table_that_cannot_be_used_is_one_line(tmp_path, keys, words):
         study_with(tmp_path, **keys)
 
 
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ({"law": "morse", "work_of_adhesion": 1.0, "length": R0}, r"missing key interaction\.range"),
-        ({"law": "morse", "well_depth": 1e-20, "length": R0, "range": R0}, r"interaction\.well_depth"),
-        ({**KEYS["exponential_core"], "law": "exponential_core", "core": 2e-10}, r"interaction\.core .* shorter than"),
-        ({**KEYS["dugdale_core"], "law": "dugdale_core", "core": 0.5e-10}, r"interaction\.core .* the ramp"),
-        ({**KEYS["dugdale"], "law": "dugdale", "ramp": 0.6}, r"interaction\.ramp = 0\.6"),
-        ({"law": "repulsive", "length": R0, "work_of_adhesion": 1.0, "repulsion": 1.0}, "does not attract"),
-        ({"law": "repulsive", "length": R0}, r"missing key interaction\.repulsion"),
-    ],
-)
-def test_keys_that_make_no_law_are_named(keys, words):
-    table = changed("loading", path=["1 GPa"])
-    table["interaction"] = keys
-    with pytest.raises(InputError, match=words):
-        make_study(table)
-
-
 def test_laws_by_name_take_fields_of_their_own():
     wall = make_law("hard_wall", 0.69, R0)
     assert wall.work_of_adhesion == wall.length == wall.equilibrium_distance == wall.peak_tensile_stress == 0
     assert make_law("morse", 0.69, R0, range=1e-10) == Morse(0.69, R0, 1e-10)
     assert make_law("repulsive", 0.69, R0, repulsion=2.0) == Repulsive(0.0, R0, 2.0)
-    for name, own, words in (
-        ("morse", {}, "range: .* needs it"),
-        ("dugdale", {"core": 1.0}, "core: .* no such field"),
-        ("tabulated", {}, "expected one of lennard_jones_10_4"),
+    for make, words in (
+        (lambda: make_law("morse", 0.69, R0), "range: .* needs it"),
+        (lambda: make_law("dugdale", 0.69, R0, core=1.0), "core: .* no such field"),
+        (lambda: make_law("tabulated", 0.69, R0), "expected one of lennard_jones_10_4"),
+        (lambda: Repulsive(0.69, R0, 1.0), "no work of adhesion"),
     ):
         with pytest.raises(ValueError, match=words):
-            make_law(name, 0.69, R0, **own)
-    with pytest.raises(ValueError, match="no work of adhesion"):
-        Repulsive(0.69, R0, 1.0)
+            make()
