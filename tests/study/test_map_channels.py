@@ -30,17 +30,6 @@ def nanoscope(path, *names):
     return 10 / 2**16 * 100e-9 * fields[:, ::-1]  # rows begin at the top
 
 
-def molecular_imaging(path, units):
-    """A file of another microscope: keys of 14 letters, then 16-bit integers of each channel's range."""
-    lines = ["fileType      Image", f"xPixels       {SIDE}", f"yPixels       {SIDE}"]
-    lines += ["xLength       2e-06", "yLength       2e-06"]
-    for name, unit in units.items():
-        lines += [f"bufferLabel   {name}", f"bufferUnit    {unit}", "bufferRange   400"]
-    fields = np.random.default_rng(2).integers(-9000, 9000, (len(units), SIDE, SIDE)).astype("<i2")
-    path.write_bytes("\n".join([*lines, "data          BINARY\n"]).encode() + fields.tobytes())
-    return 400e-9 / 2**15 * fields[:, ::-1]
-
-
 def refused(path, channel):
     with pytest.raises(InputError) as failure:
         read_height_map(path, channel=channel)
@@ -55,15 +44,6 @@ def test_the_only_height_is_taken(tmp_path, name):
         found = read_height_map(tmp_path / name, channel=channel)
         np.testing.assert_allclose(found.heights, fields[1], rtol=1e-6)
         assert found.size == pytest.approx((2e-6, 2e-6), abs=0, rel=1e-9)
-
-
-def test_a_text_header_leaves_the_channels_to_the_instruments_reader(tmp_path):
-    fields = molecular_imaging(tmp_path / "map.mi", {"Deflection": "V", "Topography": "nm", "Height": "nm"})
-    for channel, number in ((1, 1), ("Height", 2)):
-        found = read_height_map(tmp_path / "map.mi", channel=channel)
-        np.testing.assert_allclose(found.heights, fields[number], rtol=1e-6)
-        assert found.size == pytest.approx((2e-6, 2e-6), abs=0, rel=1e-9)
-    assert "'Deflection': is no map of heights" in refused(tmp_path / "map.mi", "Deflection")
 
 
 def test_several_heights_leave_a_choice(tmp_path):
