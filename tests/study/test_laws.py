@@ -274,8 +274,9 @@ NM_MPA = np.array([[0.2, -200], [0.25, -50], [0.3, -10], [0.35, 0], [0.4, 20], [
         ([[2, 1], [3, 1e-300]], 1 / np.log(1e300)),
         ([[2, 1], [3, 0]], None),
         ([[2, 1], [3, 1]], 2.4),  # as far as from the peak to the end
+        ([[2, 1.0000001], [3, 1]], 2.4),
     ],
-    ids=["steep", "steepest", "zero", "level"],
+    ids=["steep", "steepest", "zero", "level", "rounded"],
 )
 def test_a_table_ends_as_its_last_points_fall(rows, fading):
     gap, traction = np.concatenate([NM_MPA[:-2], rows]).T * [[1e-9], [1e6]]

@@ -36,18 +36,6 @@ class TractionLaw(ABC):
     work_of_adhesion, length : float
         Depth of the minimum of φ (J/m²) and the law's length, r0 or range (m).
 
-    Attributes
-    ----------
-    title, words : str
-        Its name in a label, and in a sentence.
-    counts_as_contact : str
-        What makes a point count, see :meth:`in_contact`, in words.
-    has_wall, attracts, of_pairs, diverges : bool
-        Whether the gap cannot fall below zero, a constraint of which φ says nothing; whether it carries tension,
-        follows from the atoms' Lennard-Jones pairs, and has a repulsion without bound as the gap closes.
-    own_lengths : tuple of str
-        Fields beside ``length`` that are lengths.
-
     Raises
     ------
     ValueError
@@ -60,14 +48,14 @@ class TractionLaw(ABC):
     True
     """
 
-    has_wall: ClassVar[bool] = False
-    attracts: ClassVar[bool] = True
-    title: ClassVar[str]
-    words: ClassVar[str]
-    of_pairs: ClassVar[bool] = False
-    counts_as_contact: ClassVar[str] = "a gap below the contact distance"
-    diverges: ClassVar[bool] = True
-    own_lengths: ClassVar[tuple[str, ...]] = ()
+    has_wall: ClassVar[bool] = False  # the gap cannot fall below zero: a constraint, of which φ says nothing
+    attracts: ClassVar[bool] = True  # carries tension
+    title: ClassVar[str]  # in a label
+    words: ClassVar[str]  # in a sentence
+    of_pairs: ClassVar[bool] = False  # follows from the Lennard-Jones pairs that the atoms have
+    counts_as_contact: ClassVar[str] = "a gap below the contact distance"  # see :meth:`in_contact`
+    diverges: ClassVar[bool] = True  # repulsion grows without bound as the gap closes: no gap is zero or less
+    own_lengths: ClassVar[tuple[str, ...]] = ()  # fields beside ``length`` that are lengths
 
     work_of_adhesion: float
     length: float

@@ -215,8 +215,8 @@ class Repulsive(LawAtLength):
     def _whole(self) -> LennardJones93:
         return LennardJones93(self.repulsion, self.length)
 
-    def _below(self, gap, values, beyond=0.0):
-        return np.where(np.asarray(gap).real < self.length, values, beyond)
+    def _below(self, gap, values):
+        return np.where(np.asarray(gap).real < self.length, values, 0.0)
 
     def potential(self, gap):
         return self._below(gap, self._whole.potential(gap) + self.repulsion)

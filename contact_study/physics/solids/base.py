@@ -28,11 +28,6 @@ class Elasticity(ABC):
     ValueError
         If it is not a positive finite number.
 
-    Attributes
-    ----------
-    on_any_grid : bool
-        Whether K is known at the waves of any grid, of part of a surface for one.
-
     Examples
     --------
     >>> from contact_study.physics.solids import Elasticity, HalfSpace
@@ -40,7 +35,7 @@ class Elasticity(ABC):
     True
     """
 
-    on_any_grid: ClassVar[bool] = True
+    on_any_grid: ClassVar[bool] = True  # K is known at the waves of any grid, of part of a surface for one
     contact_modulus: float
 
     def __post_init__(self) -> None:
