@@ -53,8 +53,12 @@ def most_points() -> float:
 
 def memory_in_words(shape: tuple[int, int]) -> str:
     """Memory of a simulation on a grid of this shape, such as ``1.2 GB``."""
-    needed = _on_grid(shape)
-    return f"{needed / 1e9:.2g} GB" if needed >= 1e8 else f"{needed / 1e6:.2g} MB"
+    return in_words(_on_grid(shape))
+
+
+def in_words(size: float) -> str:
+    """Write a memory (bytes), such as ``1.2 GB``."""
+    return f"{size / 1e9:.2g} GB" if size >= 1e8 else f"{size / 1e6:.2g} MB"
 
 
 def require(need: Need) -> None:

@@ -24,9 +24,13 @@ PROGRAM = "bem-adhesion"
 VERBS = {
     "init": "write an example study, or list the examples",
     "inspect": "describe and draw a height map, or the surface of a study",
+    "check": "check a study and estimate its memory and time; run nothing",
     "run": "run a study: boundary elements, atoms or theory",
     "compare": "compare datasets, or report on one: deviations, figures, report",
     "merge": "merge the datasets of one study, run in parts",
+    "plot": "draw one picture of a dataset",
+    "export": "write a dataset as a table, or for ParaView, OVITO and ASE",
+    "keys": "list the keys of a study file: units, defaults, meanings",
 }
 _OLD = {
     "md-reference": ["run", "--model", "atoms"],
@@ -37,6 +41,7 @@ _OLD = {
 _NOTHING = "nothing was written"
 _EXAMPLES = (
     "bem-adhesion init first",
+    "bem-adhesion check first.toml",
     "bem-adhesion run first.toml -o bem.nc",
     "bem-adhesion compare bem.nc -o comparison",
 )
@@ -65,7 +70,8 @@ def main(name: str, arguments: Sequence[str] | None = None, model: "Model | None
             _hide_dask(others)
         parser = _parser(module, verb, f"{PROGRAM} {verb}" if name == PROGRAM else name)
         others, keys = take_keys(others) if hasattr(module, "KEYS") else (others, {})
-        check_keys(keys)
+        if keys:
+            check_keys(keys)
         try:
             given = parser.parse_args(_known(others, parser))
         except SystemExit:  # after --help

@@ -24,7 +24,7 @@ from contact_study.study.schema.sections import MaterialSection
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticitySection(ABC):
-    """The solid that the block is made of, of the constants of ``[material]``; a kind declares its keys as fields."""
+    """The solid, of the constants of [material]; a kind declares its keys as fields."""
 
     # The solid in a sentence, before its constants; a name in braces is replaced by the values of that key.
     words: ClassVar[str]

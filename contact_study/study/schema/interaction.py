@@ -26,7 +26,7 @@ LENGTH, AUTO = "interaction.length", "auto"
 
 @dataclass(frozen=True, kw_only=True)
 class InteractionSection:
-    """The keys that every law shares; a law with further keys or checks has a subclass."""
+    """The adhesive law; a law with further keys or checks has a subclass."""
 
     adhesive: ClassVar[bool] = False  # has a strength and a length
     cored: ClassVar[bool] = False  # has a repulsive core, its length is the equilibrium distance

@@ -192,7 +192,7 @@ class DynamicsSection:
 
 @dataclass(frozen=True)
 class TheorySection:
-    """Choices inside Persson's theory with adhesion (root of the dataset), what stands beside it, what all are fed."""
+    """Persson's theory, the theories beside it and the spectrum that they take."""
 
     flows: str | tuple[str, ...] = key(
         choices("gap_flow", "edge_flow", "none"),

@@ -1,0 +1,79 @@
+"""Write a dataset in a form that other programs read."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from contact_study.command_line.frame import epilog
+from contact_study.command_line.selection import add_selection, case_dims, opened, require_one_case, selected
+from contact_study.inputs.errors import DONE, InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+_FORMATS = {
+    "csv": (".csv", "table: a row per case and load step, units in the header"),
+    "vtk": (".pvd", "fields of one case for ParaView"),
+    "xyz": (".xyz", "atoms of one case for OVITO and ASE"),
+}
+USAGE = "FILE.nc --csv | --vtk | --xyz [-o FILE] [--case KEY=VALUE] [--overwrite]"
+END = epilog(
+    "bem-adhesion export bem.nc --csv",
+    "bem-adhesion export bem.nc --vtk -o contact.pvd --case well_depth_ratio=4",
+    "bem-adhesion export md.nc --xyz --case well_depth_ratio=4,seed=1",
+)
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("file", type=Path, metavar="FILE.nc", help="dataset of a run")
+    forms = parser.add_mutually_exclusive_group(required=True)
+    for word, (_, words) in _FORMATS.items():
+        forms.add_argument(f"--{word}", dest="form", action="store_const", const=word, help=words)
+    parser.add_argument("-o", "--output", metavar="FILE", help="default: beside FILE.nc")
+    parser.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    add_selection(parser)
+
+
+def run(given: argparse.Namespace) -> int:
+    """Write."""
+    import contact_study
+    from contact_study.campaign.store.files import named_file, writable_output, write_aside
+
+    suffix, _ = _FORMATS[given.form]
+    output = named_file(given.output or given.file.with_suffix(suffix))
+    if output.suffix != suffix:
+        raise InputError(f"-o {output}: expected a name that ends in {suffix}")
+    if output.exists() and not given.overwrite:
+        raise InputError(f"{output} exists; use --overwrite to replace it")
+    with opened(given.file) as dataset:
+        chosen = selected(dataset, given.case, given.step)
+        if given.form == "csv":
+            table = results_table(chosen)
+            writable_output(output)
+            write_aside(output, lambda partial: table.to_csv(partial, index=False, float_format="%.9g"))
+        else:
+            write = contact_study.to_vtk if given.form == "vtk" else contact_study.to_xyz
+            write(require_one_case(chosen, given.file), output)
+    print(output)
+    return DONE
+
+
+def results_table(dataset: "xr.Dataset") -> "pd.DataFrame":
+    """Return what a dataset has for each case and load step, a row for each, units in the names of the columns."""
+    from contact_study.plots.selection import LOADING, UNLOADING
+
+    dims = [*case_dims(dataset), *(["step"] if "step" in dataset.dims else [])]
+    names = [name for name in dataset.variables if name not in dims and set(dataset[name].dims) <= {*dims}]
+    varying = [name for name in names if "step" in dataset[name].dims or "step" not in dims]
+    frame = dataset[varying].reset_coords().to_dataframe().reset_index()
+    # A path shorter than others is filled up.
+    frame = frame.dropna(subset=["mean_pressure"], how="all") if "mean_pressure" in frame else frame
+    if "branch" in frame:
+        frame["branch"] = frame["branch"].map({LOADING: "loading", UNLOADING: "unloading"})
+    units = {name: str(dataset[name].attrs.get("units", "1")) for name in frame if name in dataset.variables}
+    first = [*dims, *(name for name in frame if str(name).startswith("applied_")), "branch"]
+    columns = [name for name in first if name in frame]
+    frame = frame[[*columns, *(name for name in frame if name not in columns)]]
+    return frame.rename(columns={name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "1")})

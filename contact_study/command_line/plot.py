@@ -1,0 +1,82 @@
+"""Draw one picture of a dataset."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from contact_study.command_line.frame import epilog
+from contact_study.command_line.selection import add_selection, one_case, one_step, opened, selected
+from contact_study.inputs.errors import DONE, InputError
+
+# Of a picture: its function in contact_study.plots, whether it shows one case and one load step alone, and what it is.
+PICTURES = {
+    "area": ("contact_area", False, False, "contact area against pressure"),
+    "gap": ("mean_gap", False, False, "mean gap against pressure"),
+    "loop": ("hysteresis_loop", True, False, "pressure against separation, loading and unloading"),
+    "map": ("gap_map", True, True, "local gap"),
+    "pressure": ("pressure_map", True, True, "local pressure"),
+    "contact": ("contact_map", True, True, "contact and its clusters"),
+    "section": ("section", True, True, "section through the interface"),
+    "heights": ("height_map", True, False, "the rough surface"),
+    "gaps": ("gap_distribution", True, True, "distribution of the gap"),
+    "stresses": ("stress_distribution", True, True, "distribution of the stress"),
+    "spectrum": ("surface_spectrum", True, False, "power spectrum of the surface"),
+    "atoms": ("atoms", True, True, "one row of atoms"),
+    "magnified": ("area_by_magnification", True, True, "contact area against magnification (Persson)"),
+    "detachment": ("detachment_stress", True, True, "detachment stress against magnification (Persson)"),
+    "criteria": ("criteria_map", False, False, "criteria of stickiness (theories)"),
+}
+USAGE = "FILE.nc [PICTURE] [-o PICTURE.png] [--case KEY=VALUE] [--step N]"
+END = "\n".join(
+    [
+        "pictures:",
+        *(f"  {word:12}{words}" for word, (*_, words) in PICTURES.items()),
+        "",
+        epilog(
+            "bem-adhesion plot bem.nc",
+            "bem-adhesion plot bem.nc map --case well_depth_ratio=4 --step -1 -o gap.pdf",
+        ),
+    ]
+)
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("file", type=Path, metavar="FILE.nc", help="dataset of a run")
+    parser.add_argument("picture", nargs="?", default="area", choices=PICTURES, metavar="PICTURE", help="default: area")
+    parser.add_argument("-o", "--output", metavar="FILE", help="png, pdf or svg to write; default: FILE.PICTURE.png")
+    add_selection(parser)
+
+
+def run(given: argparse.Namespace) -> int:
+    """Draw."""
+    from matplotlib.figure import Figure
+
+    from contact_study import plots
+    from contact_study.campaign.store.files import check_inputs_kept, named_file, writable_output, write_aside
+    from contact_study.plots.style import RESOLUTION
+
+    output = named_file(given.output or given.file.with_name(f"{given.file.stem}.{given.picture}.png"))
+    kind, known = output.suffix.lstrip(".").lower(), Figure().canvas.get_supported_filetypes()
+    if kind not in known:
+        raise InputError(f"-o {output}: expected a name that ends in {', '.join(known)}")
+    check_inputs_kept(output, [given.file])
+    name, single_case, single_step, _ = PICTURES[given.picture]
+    with opened(given.file) as dataset:
+        chosen: list[str] = []
+        shown = selected(dataset, given.case, given.step)
+        if single_case:
+            shown, chosen = one_case(shown)
+        if single_step:
+            shown, step = one_step(shown)
+            chosen += step
+        try:
+            axes = getattr(plots, name)(shown)
+        except ValueError as error:
+            raise InputError(f"{given.file}: {error}") from None
+        writable_output(output)
+        write_aside(output, lambda partial: axes.figure.savefig(partial, dpi=RESOLUTION, format=kind))
+    if chosen:
+        print(f"{given.command}: shown is {', '.join(chosen)}; --case and --step choose others", file=sys.stderr)
+    print(output)
+    return DONE
