@@ -27,22 +27,13 @@ def notes_of(**sections):
     return review(make_study(table_of(**sections)))
 
 
-def test_the_papers_study_is_plausible():
-    assert notes_of() == []
-
-
 LEGITIMATE = {
+    "the paper's study": {},
     "rubber with an atomic law": {
         "material": {"youngs_modulus": "2 MPa", "poissons_ratio": 0.5},
         "interaction": {"work_of_adhesion": "0.05 J/m^2", "length": "0.3 nm", "contact_distance": "0.4 nm"},
         "surface": {"size": "100 um", "rms_height": "1 um"},
         "loading": {"path": ["1 kPa", "100 kPa"]},
-    },
-    "rubber with a long range": {
-        "material": {"youngs_modulus": "20 MPa"},
-        "interaction": {"work_of_adhesion": "0.05 J/m^2", "length": "2 nm", "contact_distance": "3 nm"},
-        "surface": {"size": "100 um", "rms_height": "1 um"},
-        "loading": {"path": ["250 kPa"]},
     },
     "steel that hardly attracts": {
         "material": {"youngs_modulus": "210 GPa"},
@@ -56,7 +47,6 @@ LEGITIMATE = {
         "surface": {"size": "100 um", "rms_height": "0.01 um"},
         "loading": {"path": ["10 Pa"]},
     },
-    "a hundredth of the paper's adhesion": {"interaction": {"well_depth_ratio": 0.01}},
     "a ripple of a thousandth of an angstrom": {"surface": {"kind": "wavy", "amplitude": "0.001 angstrom"}},
 }
 
@@ -69,11 +59,9 @@ def test_soft_and_weak_laws_pass_without_a_word(sections):
 def test_steep_surfaces_are_said():
     (note,) = notes_of(surface={"rms_height": "50 angstrom"})  # the paper's slope of 0.27, fivefold
     assert "rms slope 1.31" in note
-    table = table_of()
-    table["sweep"] = {"surface.rms_height": ["10 angstrom", "50 angstrom", "100 angstrom"]}
+    table = table_of() | {"sweep": {"surface.rms_height": ["10 angstrom", "50 angstrom", "100 angstrom"]}}
     (note,) = review(make_study(table))
-    assert "rms slope 2.62" in note
-    assert "2 of 3 points of the sweep" in note
+    assert "rms slope 2.62 (2 of 3 points of the sweep" in note
 
 
 IMPOSSIBLE = [
@@ -92,22 +80,9 @@ def test_absurd_numbers_are_refused_in_one_line(sections, culprit):
     assert "\n" not in str(failure.value)
 
 
-def test_heights_in_the_wrong_unit(tmp_path):
-    heights = np.random.default_rng(0).standard_normal((16, 16))  # metres, unless said otherwise
-    np.save(tmp_path / "map.npy", heights)
-    table = table_of(surface={"kind": "file", "path": "map.npy", "shape": [16, 16]})
-    study = make_study(table, tmp_path)
-    with pytest.raises(InputError, match=r"surface\.height_unit"):
-        review(study)
-    table["surface"]["height_unit"] = "angstrom"
-    assert review(make_study(table, tmp_path)) == []
-
-
 def test_weak_laws_are_said():
-    assert len(notes_of(interaction={"well_depth_ratio": 1e-6})) == 1
-    notes = notes_of(interaction={"well_depth_ratio": 1e-5})
-    assert len(notes) == 1
-    assert "pressed to 0.3" in notes[0]
+    (note,) = notes_of(interaction={"well_depth_ratio": 1e-5})
+    assert "pressed to 0.3" in note
     notes = notes_of(interaction={"well_depth_ratio": 1e-8})
     assert len(notes) == 2
     assert "below the residual stress that solver.tolerance leaves" in notes[1]
@@ -123,9 +98,9 @@ def test_squeeze_is_where_the_law_carries_the_contact():
     assert case.law.traction(np.array(at)) == pytest.approx(-stress, rel=1e-9)
 
 
-@pytest.mark.parametrize("unit", [1.0, 1e3])
-def test_no_unit_is_favoured(unit):
-    """Every length a thousandfold, every stress as it was: the same words, but for the numbers in them."""
+def test_no_unit_is_favoured():
+    """Every length a thousandfold, every stress as it was: the same words."""
+    unit = 1e3
     table = table_of(interaction={"well_depth_ratio": 1e-5}, surface={"rms_height": "50 angstrom"})
     plain = make_study(table)
     table["surface"] |= {"size": 104e-9 * unit, "rms_height": 50e-10 * unit}
@@ -148,25 +123,23 @@ def test_coarse_grids_say_what_a_map_loses(tmp_path):
     long, short = two_waves()
     np.save(tmp_path / "map.npy", 3 * long + short)
     keys = {"kind": "file", "path": "map.npy", "height_unit": "angstrom"}
+    with pytest.raises(InputError, match=r"surface\.height_unit"):  # metres, unless said otherwise
+        review(make_study(table_of(surface={**keys, "height_unit": "m", "shape": [32, 32]}), tmp_path))
     said = {}
-    for shape in ([32, 32], [64, 32], [8, 32], [12, 8]):
-        said[tuple(shape)] = review(make_study(table_of(surface={**keys, "shape": shape}), tmp_path))
-    assert said[32, 32] == said[64, 32] == []
+    for rows in (32, 64, 8):
+        said[rows] = review(make_study(table_of(surface={**keys, "shape": [rows, 32]}), tmp_path))
+    assert said[32] == said[64] == []
     # The wave of six periods along y is lost on eight points there: of the variances 9/2 and 1/2 the first is left,
     # of the slopes' 9/2 and 36/2 likewise.
-    (note,) = said[8, 32]
+    (note,) = said[8]
     assert f"({100 * (np.sqrt(9 / 10) - 1):+.2g} %)" in note
     assert f"({100 * (np.sqrt(9 / 45) - 1):+.2g} %)" in note
     assert "surface.shape = [8, 32] is coarser than the height map map.npy" in note
 
-
-def test_less_than_a_per_cent_of_a_map_is_lost_without_a_word(tmp_path):
-    long, short = two_waves()
-    keys = {"kind": "file", "path": "map.npy", "height_unit": "angstrom", "shape": [8, 32]}
     for part, said in ((1e-16, 0), (0.03, 0), (0.1, 1)):
         np.save(tmp_path / "map.npy", 3 * long + part * short)
-        notes = review(make_study(table_of(surface=keys), tmp_path))
-        assert len(notes) == said
+        notes = review(make_study(table_of(surface=keys | {"shape": [8, 32]}), tmp_path))
+        assert len(notes) == said, "less than a per cent of the map"
     # The root of 3² and (6 · 0.1)² loses 1.9 % with the short wave, that of 3² and 0.1² nothing to speak of.
     assert re.search(r"becomes \S+ \S+ \(the same\), rms slope \S+ becomes \S+ \(-\S+ %\)", notes[0])
 
@@ -182,9 +155,7 @@ def test_a_load_above_the_contact_modulus_is_named():
 def test_keys_without_effect_on_a_wall_are_said():
     (note,) = notes_of(interaction={"law": "hard_wall"})
     assert note.startswith("interaction.well_depth, interaction.length, interaction.contact_distance: without effect")
-    table = table_of()
-    table["interaction"] = {"law": "hard_wall"}
-    assert review(make_study(table)) == []
+    assert review(make_study(table_of() | {"interaction": {"law": "hard_wall"}})) == []
 
 
 VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxation_times": [1.0]}
@@ -196,30 +167,29 @@ VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxati
         (
             {"loading": {"adaptive": True}, "interaction": {"law": "hard_wall"}},
             {"loading": {"adaptive": True}},
-            r"loading\.adaptive = true: without effect; it belongs to laws that attract",
+            "loading.adaptive = true: without effect; it belongs to laws that attract",
         ),
         (
             {"loading": {"resolution": 0.02}},
             {"loading": {"resolution": 0.02, "adaptive": True}},
-            r"loading\.resolution: without effect; it belongs to loading\.adaptive = true",
+            "loading.resolution: without effect; it belongs to loading.adaptive = true",
         ),
         (
             {"loading": {"time_steps": 5}},
             {"loading": {"time_steps": 5, "duration": 1.0}, "elasticity": VISCOELASTIC},
-            r'loading\.time_steps: without effect; it belongs to elasticity\.kind = "viscoelastic"',
+            'loading.time_steps: without effect; it belongs to elasticity.kind = "viscoelastic"',
         ),
     ],
 )
 def test_keys_of_the_loading_without_effect_are_said(idle, used, words):
     # Those of the interaction have no effect on the wall either.
     (note,) = (note for note in notes_of(**idle) if not note.startswith("interaction."))
-    assert re.fullmatch(words, note)
+    assert note == words
     assert notes_of(**used) == []
 
 
 def test_keys_without_effect_at_some_points_of_a_sweep_are_said():
-    table = table_of(loading={"resolution": 0.02})
-    table["sweep"] = {"loading.adaptive": [True, False]}
+    table = table_of(loading={"resolution": 0.02}) | {"sweep": {"loading.adaptive": [True, False]}}
     (note,) = review(make_study(table))
     assert "without effect (1 of 2 points of the sweep, such as adaptive = False)" in note
 
@@ -236,20 +206,12 @@ def test_tables_of_a_stiffness_that_leave_out_waves_of_the_grid_are_said():
     ends = 2 * np.pi / 104e-9, np.pi * case.surface.shape[0] / 104e-9
     modulus = case.material.contact_modulus
     assert notes_of(elasticity=tabulated(*ends, modulus)) == []
-    for factor in (1e-9, 1e9):  # nm⁻¹ read as m⁻¹, and the other way about: the modulus changes as its unit does
-        (note,) = notes_of(elasticity=tabulated(factor * ends[0], factor * ends[1], modulus))
-        assert note.startswith("elasticity.path: the table holds waves of")
-        assert f"{factor * ends[0]:.3g} to {factor * ends[1]:.3g} m^-1" in note
-        assert f"waves of {ends[0]:.3g} to {ends[1]:.3g} m^-1:" in note
-        assert "\n" not in note
+    (note,) = notes_of(elasticity=tabulated(1e-9 * ends[0], 1e-9 * ends[1], modulus))  # nm⁻¹ read as m⁻¹
+    assert note.startswith("elasticity.path: the table holds waves of")
+    assert f"{1e-9 * ends[0]:.3g} to {1e-9 * ends[1]:.3g} m^-1" in note
+    assert f"waves of {ends[0]:.3g} to {ends[1]:.3g} m^-1:" in note
     for part in ((1.1 * ends[0], ends[1]), (ends[0], 0.9 * ends[1])):
         assert len(notes_of(elasticity=tabulated(*part, modulus))) == 1
-
-
-def test_tables_of_another_modulus_than_the_materials_are_said():
-    (case,) = make_study(table_of()).cases
-    ends = 2 * np.pi / 104e-9, np.pi * case.surface.shape[0] / 104e-9
-    modulus = case.material.contact_modulus
     for ratio, said in ((0.4, True), (0.6, False), (1.8, False), (2.2, True)):
         notes = notes_of(elasticity=tabulated(*ends, ratio * modulus))
         assert len(notes) == said
@@ -264,7 +226,6 @@ FLOW = 'atomistic.method or solver.path = "overdamped"'
     [
         ("overdamped", {"loading_rate": 1e-2}, {"atomistic": {"method": "overdamped"}}, FLOW),
         ("overdamped", {"loading_rate": 1e-2}, {"solver": {"path": "overdamped"}}, FLOW),
-        ("sampling", {"trajectories": 20}, {"atomistic": {"method": "sampling"}}, 'atomistic.method = "sampling"'),
         (
             "dynamics",
             {"duration": "1 ps", "frames": 5},
@@ -277,9 +238,5 @@ def test_keys_of_a_way_of_motion_that_is_not_gone_are_said(section, keys, chosen
     (note,) = idle_motion(make_study(table_of(**{section: keys})).cases)
     assert note == f"{', '.join(f'{section}.{name}' for name in keys)}: without effect; it belongs to {belongs}"
     assert idle_motion(make_study(table_of(**{section: keys}, **chosen)).cases) == []
-
-
-def test_keys_of_each_way_of_motion_in_a_sweep_have_an_effect():
-    table = table_of(sampling={"trajectories": 20}, dynamics={"duration": "1 ps"})
-    table["sweep"] = {"atomistic.method": ["sampling", "dynamics"]}
-    assert idle_motion(make_study(table).cases) == []
+    swept = table_of(sampling={"trajectories": 20}) | {"sweep": {"atomistic.method": ["sampling", "dynamics"]}}
+    assert idle_motion(make_study(swept).cases) == []

@@ -42,6 +42,11 @@ def of_another_kind(table):
     table["surface"] = {name: table["surface"][name] for name in ("size", "shape")}
 
 
+def read(tmp_path, table, keys=()):
+    (tmp_path / "study.toml").write_text(tomli_w.dumps(table))
+    return read_study(tmp_path / "study.toml", dict(keys))
+
+
 def test_quantities_are_si():
     (case,) = make_study(copy.deepcopy(TABLE)).cases
     # Each to rounding: a conversion is one multiplication.
@@ -51,21 +56,22 @@ def test_quantities_are_si():
     np.testing.assert_allclose([value for value, _ in case.path], [1e8, 1e9], rtol=1e-15)
 
 
-def test_work_of_adhesion_of_the_paper():
+def test_work_of_adhesion_is_that_of_the_pairs_of_atoms():
     (case,) = make_study(copy.deepcopy(TABLE)).cases
-    assert case.lattice.atoms == (400, 400)
-    assert case.lattice.substrate_sites == (647, 647)
+    assert (case.lattice.atoms, case.lattice.substrate_sites) == ((400, 400), (647, 647))
     # The reference, 0.6924 J/m², is for b = a/φ; made periodic, b = 400a/647 holds (647/(400φ))² as many sites.
     expected = 0.6924 * (647 / (400 * (1 + 5**0.5) / 2)) ** 2
     assert case.work_of_adhesion == pytest.approx(expected, abs=5e-5)  # the reference has four digits
-
-
-def test_well_depth_and_work_of_adhesion_are_equivalent():
-    (case,) = make_study(copy.deepcopy(TABLE)).cases
-    table = changed("interaction", work_of_adhesion=case.work_of_adhesion)
+    table = changed("interaction", work_of_adhesion=case.work_of_adhesion, well_depth_ratio=3)
     del table["interaction"]["well_depth"]
-    (other,) = make_study(table).cases
-    assert other.well_depth == pytest.approx(case.well_depth, abs=0, rel=1e-14)  # rounding of two inverse formulas
+    # Rounding of two inverse formulas; the ratio multiplies either once.
+    for other in (make_study(table).cases[0], make_study(changed("interaction", well_depth_ratio=3)).cases[0]):
+        assert other.well_depth == pytest.approx(3 * case.well_depth, abs=0, rel=1e-14)
+        assert other.work_of_adhesion == pytest.approx(3 * case.work_of_adhesion, rel=1e-14)
+    (long,) = make_study(changed("surface", size=["104 nm", "26 nm"], shape=[256, 64])).cases
+    assert (long.lattice.atoms, long.lattice.substrate_sites) == ((400, 100), (647, 162))
+    # Δγ ∝ n_a n_b: the sites' density differs by the rounding of 161.8 sites to 162.
+    assert long.work_of_adhesion == pytest.approx(case.work_of_adhesion * 162 / 161.75, rel=1e-12)
 
 
 def test_sweep_expands_with_the_last_key_fastest():
@@ -76,6 +82,7 @@ def test_sweep_expands_with_the_last_key_fastest():
     assert study.cases[4].coordinates == {"well_depth_ratio": 4.0, "seed": 2}
     assert [len(case.path) for case in study.cases] == [2, 2, 2, 1, 1, 1]
     assert study.cases[3].work_of_adhesion == pytest.approx(4 * study.cases[0].work_of_adhesion, rel=1e-15)
+    assert make_study(tomllib.loads(study.toml)).cases == study.cases
 
 
 def test_unloading_goes_back_without_repeating_the_turn():
@@ -83,27 +90,31 @@ def test_unloading_goes_back_without_repeating_the_turn():
     assert case.path == [(1e8, "loading"), (2e8, "loading"), (3e8, "loading"), (2e8, "unloading"), (1e8, "unloading")]
 
 
-def test_toml_text_gives_the_same_study():
-    study = make_study(changed("sweep", **{"surface.seed": [1, 2]}))
-    assert make_study(tomllib.loads(study.toml)).cases == study.cases
+SWEPT = changed("sweep", **{"interaction.well_depth_ratio": [1, 4]})
 
 
-def test_overrides_replace_keys_and_sweeps(tmp_path):
-    path = tmp_path / "study.toml"
-    path.write_text(make_study(changed("sweep", **{"surface.seed": [1, 2]})).toml)
-    study = read_study(path, {"surface.seed": 7, "loading.path": "0.1 GPa, 0.2 GPa"})
-    assert [case.surface.seed for case in study.cases] == [7]
-    assert study.sweep["seed"].values == (7,)
-    assert [value for value, _ in study.cases[0].path] == pytest.approx([1e8, 2e8])
+@pytest.mark.parametrize(
+    ("key", "written", "values"),
+    [
+        ("surface.seed", "1,2, 5", (1, 2, 5)),
+        ("surface.seed", [1, 2, 5], (1, 2, 5)),
+        ("interaction.well_depth_ratio", 7, (7.0,)),
+        ("interaction.well_depth_ratio", "2, 3.0", (2.0, 3.0)),
+        ("interaction.well_depth_ratio", [2, 3], (2.0, 3.0)),
+    ],
+)
+def test_the_command_line_sweeps_by_lists_and_replaces_sweeps(tmp_path, key, written, values):
+    study = read(tmp_path, SWEPT, {key: written})
+    assert study.sweep[key.partition(".")[2]].values == values
+    assert len({getattr(getattr(case, key.partition(".")[0]), key.partition(".")[2]) for case in study.cases}) == len(
+        values
+    )
 
 
-@pytest.mark.parametrize("written", ["1,2, 5", [1, 2, 5]])
-def test_a_list_for_a_key_of_one_value_sweeps_it(tmp_path, written):
-    (tmp_path / "study.toml").write_text(tomli_w.dumps(TABLE))
-    study = read_study(tmp_path / "study.toml", {"surface.seed": written})
-    assert study.sweep["seed"].values == (1, 2, 5)
-    assert list(study.sweep)[-1] == "seed"
-    assert [case.surface.seed for case in study.cases] == [1, 2, 5]
+def test_lists_of_keys_that_take_them_are_no_sweeps(tmp_path):
+    study = read(tmp_path, TABLE, {"loading.path": "1 MPa, 2 MPa", "surface.shape": "32, 32"})
+    assert not study.sweep
+    assert [value for value, _ in study.cases[0].path] == pytest.approx([1e6, 2e6])
 
 
 @pytest.mark.parametrize(
@@ -115,63 +126,32 @@ def test_a_list_for_a_key_of_one_value_sweeps_it(tmp_path, written):
     ],
 )
 def test_other_lists_are_still_refused(tmp_path, key, value, words):
-    (tmp_path / "study.toml").write_text(tomli_w.dumps(TABLE))
     with pytest.raises(InputError, match=words):
-        read_study(tmp_path / "study.toml", {key: value})
-
-
-def test_lists_of_keys_that_take_them_are_no_sweeps(tmp_path):
-    (tmp_path / "study.toml").write_text(tomli_w.dumps(TABLE))
-    study = read_study(tmp_path / "study.toml", {"loading.path": "1 MPa, 2 MPa", "surface.shape": "32, 32"})
-    assert list(study.sweep) == list(make_study(TABLE).sweep)
-    assert len(study.cases[0].path) == 2
-
-
-@pytest.mark.parametrize("written", ["1, 4", [1, 4], "1,4.0"])
-def test_swept_key_takes_a_list_of_either_form(tmp_path, written):
-    path = tmp_path / "study.toml"
-    path.write_text(make_study(changed("sweep", **{"interaction.well_depth_ratio": [8]})).toml)
-    study = read_study(path, {"interaction.well_depth_ratio": written})
-    assert study.sweep["well_depth_ratio"].values == (1.0, 4.0)
-
-
-@pytest.mark.parametrize("written", [4, 4.0, "4"])
-def test_override_matches_however_the_value_is_written(written):
-    table = changed("sweep", **{"interaction.well_depth_ratio": [1, 4]})
-    table["override"] = [{"when": {"interaction.well_depth_ratio": written}, "loading.path": ["2 GPa"]}]
-    assert [len(case.path) for case in make_study(table).cases] == [2, 1]
+        read(tmp_path, TABLE, {key: value})
 
 
 @pytest.mark.parametrize(
-    "when", [{"surface.size": "104 nm"}, {"surface.size": [1.04e-7, "1040 angstrom"]}, {"surface.hurst_exponent": 0.8}]
+    "when",
+    [
+        *({"interaction.well_depth_ratio": written} for written in (4, 4.0, "4")),
+        {"interaction.well_depth_ratio": 4, "surface.size": "104 nm"},
+        {"interaction.well_depth_ratio": 4, "surface.size": [1.04e-7, "1040 angstrom"], "surface.hurst_exponent": 0.8},
+    ],
 )
-def test_override_matches_in_other_units_and_by_default(when):
-    study = make_study({**TABLE, "override": [{"when": when, "loading.path": ["2 GPa"]}]})
-    assert len(study.cases[0].path) == 1
+def test_exceptions_match_however_the_value_is_written(when):
+    study = make_study(SWEPT | {"override": [{"when": when, "loading.path": ["2 GPa"]}]})
+    assert [len(case.path) for case in study.cases] == [2, 1]
     assert study.notes == ()
 
 
-def test_override_without_a_point_is_noted():
-    study = make_study({**TABLE, "override": [{"when": {"surface.seed": 2}, "loading.path": ["2 GPa"]}]})
-    assert len(study.notes) == 1
-    assert "surface.seed = 2" in study.notes[0]
-
-
-def test_command_line_has_the_last_word(tmp_path):
-    path = tmp_path / "study.toml"
-    table = changed("sweep", **{"interaction.well_depth_ratio": [1, 4]})
-    table["override"] = [{"when": {"interaction.well_depth_ratio": 4}, "loading.path": ["2 GPa", "3 GPa", "4 GPa"]}]
-    path.write_text(make_study(table).toml)
-    study = read_study(path, {"loading.path": ["5 GPa"]})
+def test_exceptions_without_a_point_are_noted_and_the_command_line_has_the_last_word(tmp_path):
+    (note,) = make_study(SWEPT | {"override": [{"when": {"surface.seed": 2}, "loading.path": ["2 GPa"]}]}).notes
+    assert "surface.seed = 2" in note
+    when = {"interaction.well_depth_ratio": 4}
+    study = read(
+        tmp_path, SWEPT | {"override": [{"when": when, "loading.path": ["2 GPa"]}]}, {"loading.path": ["5 GPa"]}
+    )
     assert [case.path[0][0] for case in study.cases] == pytest.approx([5e9, 5e9])
-
-
-def test_command_line_meets_a_damaged_table(tmp_path):
-    path = tmp_path / "study.toml"
-    for text, culprit in (("sweep = 3", "sweep = 3"), ("surface = 3", "surface = 3"), ("override = 3", "override")):
-        path.write_text(text)
-        with pytest.raises(InputError, match=culprit):
-            read_study(path, {"surface.seed": 2})
 
 
 def test_a_sweep_over_kinds_holds_the_keys_of_all():
@@ -185,118 +165,76 @@ def test_a_sweep_over_kinds_holds_the_keys_of_all():
 
 
 def test_a_kind_chosen_on_the_command_line_leaves_the_files_behind(tmp_path):
-    path = tmp_path / "study.toml"
     table = changed("sweep", **{"surface.seed": [1, 2], "interaction.well_depth_ratio": [1, 4]})
     table["override"] = [{"when": {"interaction.well_depth_ratio": 4}, "surface.hurst_exponent": 0.5}]
-    path.write_text(make_study(table).toml)
-    study = read_study(path, {"surface.radius": "1 um", "surface.kind": "sphere"})
+    study = read(tmp_path, table, {"surface.radius": "1 um", "surface.kind": "sphere"})
     assert [case.surface.radius for case in study.cases] == pytest.approx([1e-6, 1e-6], abs=0, rel=1e-12)
     assert list(study.sweep) == ["well_depth_ratio"]
     with pytest.raises(InputError, match=r"surface\.seed: kind = \"sphere\" has no such key"):
-        read_study(path, {"surface.kind": "sphere", "surface.radius": "1 um", "surface.seed": 3})
-    assert len(read_study(path, {"surface.kind": "self_affine"}).cases) == 4, "its own kind loses nothing"
+        read(tmp_path, table, {"surface.kind": "sphere", "surface.radius": "1 um", "surface.seed": 3})
+    assert len(read(tmp_path, table, {"surface.kind": "self_affine"}).cases) == 4, "its own kind loses nothing"
 
 
 WRONG = [
-    (changed("surface", hurst=0.8), "surface.hurst"),
     (changed("surfaces"), "[surfaces]"),
     ({**TABLE, "surface": 3}, "surface"),
     (changed("surface", rms_height="10 GPa"), "surface.rms_height"),
     (changed("surface", rms_height="10 angstroem"), "angstroem"),
-    (changed("surface", rms_height="10"), "surface.rms_height"),
-    (changed("surface", rms_height="ten nm"), "surface.rms_height"),
-    (changed("surface", rms_height=True), "surface.rms_height"),
     (changed("surface", rms_height=float("nan")), "surface.rms_height"),
     (changed("surface", size="-1040 angstrom"), "surface.size"),
-    (changed("surface", size=0.0), "surface.size"),
+    (changed("surface", rms_height=True), "surface.rms_height"),
+    (changed("solver", threads=10**9), "must be at most 1024"),
+    ({**TABLE, "sweep": {"interaction.well_depth_ratio": []}}, "well_depth_ratio"),
     (changed("surface", size=["1 nm", "2 nm", "3 nm"]), "surface.size"),
     (changed("surface", shape=[0, 0]), "surface.shape"),
-    (changed("surface", shape=[64]), "surface.shape"),
-    (changed("surface", shape=64), "surface.shape"),
     (changed("surface", shape=[64, 1]), "surface.shape"),
-    (changed("surface", shape=[64.0, 64]), "surface.shape"),
     (changed("surface", cutoff_mode=32), "surface.cutoff_mode"),
     (changed("surface", roll_off_mode=13), "must not decrease"),
-    (changed("surface", low_mode=12, roll_off_mode=12), "must exceed"),
     (changed("surface", kind="fractal"), "surface.kind"),
-    (changed("surface", kind="sphere"), "surface.radius"),
     *((changed("surface", kind=wrong), "surface.kind = ") for wrong in (["flat"], {}, [[]])),
     *((changed("interaction", law=wrong), "interaction.law = ") for wrong in (["hard_wall"], {"law": 1})),
     *((changed("elasticity", kind=wrong), "elasticity.kind = ") for wrong in (["layer"], {})),
     (changed("sweep", **{"theory.wavevectors": [1e8, 2e8]}), "sweep.theory.wavevectors: a list cannot be swept"),
     (changed("surface", seed=-1), "surface.seed"),
-    (changed("surface", seed="one"), "surface.seed"),
     (changed("surface", radius="1 um"), 'surface.radius: kind = "self_affine" has no such key; it belongs to sphere'),
-    (changed("surface", kind="flat", seed=2), 'surface.seed: kind = "flat" has no such key'),
-    (changed("surface", kind="flat", shap=2), "did you mean shape"),
-    ({**TABLE, "surface": {"shape": [64, 64]}}, "missing key surface.kind"),
-    (changed("sweep", **{"surface.radius": ["1 um", "2 um"]}), 'surface.radius: kind = "self_affine"'),
     ({**changed("surface", radius="1 um"), "sweep": {"surface.kind": ["self_affine", "flat"]}}, "surface.radius"),
     (changed("material", poissons_ratio=0.6), "material.poissons_ratio"),
     (changed("material", youngs_modulus="0 GPa"), "material.youngs_modulus"),
-    (changed("interaction", work_of_adhesion="0.69 J/m^2"), "work_of_adhesion"),
-    (changed("interaction", law="lennard-jones"), "interaction.law"),
     (changed("interaction", contact_distance="3 angstrom"), "interaction.contact_distance"),
     (changed("loading", path=[]), "loading.path"),
     (changed("loading", path=["0.1 GPa", 2e8]), "loading.path"),
-    (changed("loading", path=["0.1 GPa", "nan GPa"]), "loading.path[1]"),
-    (changed("loading", path=["0.1 GPa", float("nan")]), "loading.path"),
-    (changed("loading", path=["1 angstrom"]), "loading.path[0]"),
     (
         changed("loading", path=["1 GPa", "-40 GPa"]),
         "loading.path[1] = -40 GPa exceeds the largest tensile stress of the adhesive law, 3.98 GPa: ",
     ),
     (changed("surface", rms_height="1,5 nm"), "surface.rms_height = '1,5 nm': use a decimal point, \"1.5 nm\""),
-    (changed("surface", size="10,5 um"), "surface.size = '10,5 um': use a decimal point, \"10.5 um\""),
-    (changed("surface", size="10,5 um, 3 um"), "use a decimal point"),
     (changed("loading", path="0,1 GPa, 0,2 GPa"), "loading.path = '0,1 GPa, 0,2 GPa': use a decimal point, "),
     (changed("loading", control="force"), "loading.control"),
     (changed("loading", unload="yes"), "loading.unload"),
-    (changed("solver", tolerance=0), "solver.tolerance"),
     (changed("solver", tolerance=1e-17), "must be at least 1e-15"),
     (
         changed("elasticity", kind="viscoelastic", branch_youngs_moduli=[1e9], relaxation_times=[1, 2]),
         "1 branch_youngs_",
     ),
-    (changed("solver", max_iterations=0), "solver.max_iterations"),
     (changed("output", gap_range=["2 nm", "1 nm"]), "output.gap_range"),
     (changed("surface", rms_height="9**9**9**9 m"), "surface.rms_height"),  # nothing is calculated
-    (changed("surface", rms_height="nm"), "surface.rms_height"),
     (changed("surface", rms_height="1 nm" + 100 * " nm"), "surface.rms_height"),
-    (changed("surface", rms_height="1e400 m"), "surface.rms_height"),
     (changed("surface", rms_height=1e308), "far from any size"),
-    (changed("surface", size=1e-308), "far from any size"),
-    (changed("surface", hurst_exponent="80 %"), "surface.hurst_exponent"),
     (changed("surface", hurst_exponent="0.8 m/m"), "without a unit"),
-    (changed("surface", kind="wavy", amplitude="1 nm", modes=[0, 0]), "surface.modes"),
     (changed("surface", kind="wavy", amplitude="1 nm", modes=[5, 1], shape=[8, 32]), "5 waves along y"),
-    (changed("surface", kind="wavy", amplitude="1 nm", modes=[1, 16], shape=[64, 32]), "16 waves along x"),
-    (changed("surface", shape="512"), "surface.shape"),
     (changed("surface", shape="512, many"), "surface.shape[1]"),
     (changed("surface", size="3840 nm, 5120"), "surface.size[1] = '5120': has no unit"),
-    (changed("loading", path="1 GPa, 2e9"), "loading.path[1] = '2e9': has no unit"),
     (changed("sweep", **{"surface.size": ["104 nm, 52 nm", "104 nm"]}), "two equal values"),
     (changed("interaction", law="lennard_jones_9_3"), "interaction.well_depth"),
-    (changed("interaction", law="lennard_jones_9_3", work_of_adhesion=0.69), "not both"),
-    (changed("atomistic", cutoff=1e9), "atomistic.cutoff"),
     (changed("atomistic", cutoff=1.1), "must be at least 2; the law's peak must lie within"),
     (changed("dynamics", seed=3), "unknown key dynamics.seed (use atomistic.random_seed); known"),
     (changed("sweep", **{"sampling.seed": [1, 2]}), "unknown key 'sampling.seed' (use atomistic.random_seed)"),
-    (changed("solver", threads=10**9), "solver.threads"),
-    (changed("output", gap_bins=10**9), "output.gap_bins"),
-    (changed("loading", path=["1 GPa", "much"]), "loading.path[1]"),
-    (changed("loading", path=""), "loading.path[0]"),
-    ({**TABLE, "sweep": 3}, "sweep = 3"),
     (changed("sweep", **{"loading.path": ["1 GPa, 2 GPa", "1 GPa"]}), "sweep.loading.path"),
     (changed("sweep", **{"output.gap_bins": [10, 20]}), "sweep.output.gap_bins"),
     (changed("sweep", **{"surface.size": ["1040 angstrom", "104 nm"]}), "holds a value twice"),
     ({**changed("interaction", well_depth_ratio="x"), "sweep": {"interaction.well_depth_ratio": [1]}}, "'x'"),
-    (changed("sweep", **{"interaction.well_depth_ratios": [1]}), "well_depth_ratios"),
-    (changed("sweep", **{"interaction.well_depth_ratio": []}), "well_depth_ratio"),
     (changed("sweep", **{"interaction.well_depth_ratio": [1, 1]}), "well_depth_ratio"),
-    (changed("sweep", **{"interaction.well_depth_ratio": [1, -1]}), "well_depth_ratio"),
     ({**TABLE, "override": [{"loading.path": [1e8]}]}, "override"),
-    ({**TABLE, "override": [{"when": {"surface.sed": 1}, "loading.path": [1e8]}]}, "surface.sed"),
     ({**TABLE, "override": [{"when": {"surface.seed": 9}, "surface.rms_height": "1 Pa"}]}, "surface.rms_height"),
     ({**TABLE, "override": [{"when": {"surface.seed": 1}, "output.gap_bins": 9}]}, "output.gap_bins"),
     (
@@ -304,7 +242,6 @@ WRONG = [
         "surface.seed is swept",
     ),
     ({k: v for k, v in TABLE.items() if k != "material"}, "material.youngs_modulus"),
-    ({k: v for k, v in TABLE.items() if k != "loading"}, "loading.path"),
 ]
 
 
@@ -317,18 +254,16 @@ def test_wrong_input_is_named_in_one_line(table, culprit):
 
 
 @pytest.mark.parametrize("lowest", ["-1 nm", "-3.28 angstrom"])
-@pytest.mark.parametrize("method", ["quasi_static", "dynamics"])
 @pytest.mark.parametrize("model", [bem_adhesion.study.model, md_reference.study.model, theory.study.model])
-def test_a_gap_that_is_none_is_for_driven_blocks(model, method, lowest):
+def test_a_gap_that_is_none_is_for_driven_blocks(model, lowest):
     """Whose plane goes as far as the block is compressed, 0.6 GPa at -3.28 angstrom and the paper's size."""
     table = changed("loading", control="gap", path=["1 nm", lowest])
     table["material"]["atom_mass"] = "197 u"
-    table.update(atomistic={"method": method}, dynamics={"approach_speed": "20 m/s"})
-    case = make_study(table).cases[0]
-    if model is md_reference.study.model and method == "dynamics":
-        return model.check(case)
+    table.update(dynamics={"approach_speed": "20 m/s"})
     with pytest.raises(InputError, match="leaves no gap between"):
-        model.check(case)
+        model.check(make_study(table).cases[0])
+    if model is md_reference.study.model:
+        model.check(make_study(table | {"atomistic": {"method": "dynamics"}}).cases[0])
 
 
 @pytest.mark.parametrize(
@@ -336,7 +271,6 @@ def test_a_gap_that_is_none_is_for_driven_blocks(model, method, lowest):
     [
         ("surface", "size", "104 nm, 0.052 um", (1.04e-7, 5.2e-8)),
         ("surface", "size", "104 nm", (1.04e-7, 1.04e-7)),
-        ("surface", "shape", "128,96", (128, 96)),
         ("surface", "shape", " 128 , 96 ", (128, 96)),
         ("output", "pressure_range", "-1 GPa, 20 GPa", (-1e9, 2e10)),
         ("loading", "path", "2 kPa, 0.5 MPa", (2e3, 5e5)),
@@ -351,60 +285,21 @@ def test_lists_as_people_type_them(section, name, written, value):
     np.testing.assert_allclose(getattr(getattr(case, section), name), value, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("path", "unit"),
-    [
-        (["0.1 GPa", "2e8 Pa"], ("GPa", 1e9)),
-        ("5 kPa, 1 MPa", ("kPa", 1e3)),
-        ([1e8, 2e8], ("Pa", 1.0)),
-    ],
-)
-def test_unit_of_the_path_is_the_one_written(path, unit):
+@pytest.mark.parametrize(("path", "name", "size"), [("5 kPa, 1 MPa", "kPa", 1e3), ([1e8, 2e8], "Pa", 1.0)])
+def test_unit_of_the_path_is_the_one_written(path, name, size):
     (case,) = make_study(changed("loading", path=path)).cases
-    assert case.loading.unit[0] == unit[0]
-    assert case.loading.unit[1] == pytest.approx(unit[1], rel=1e-12)
+    assert case.loading.unit == (name, pytest.approx(size, rel=1e-12))
 
 
-@pytest.mark.parametrize("modes", [[1, 20], [3, 31]])
-def test_each_axis_of_waves_has_its_own_points(modes):
+def test_each_axis_of_waves_has_its_own_points():
     """The most waves that 8 x 64 points carry, along each axis on its own."""
-    surface = {"kind": "wavy", "amplitude": "1 nm", "modes": modes, "shape": [8, 64], "size": ["13 nm", "104 nm"]}
-    assert make_study(changed("surface", **surface)).cases[0].surface.modes == tuple(modes)
-
-
-def test_atoms_and_sites_along_each_axis():
-    """A rectangular cell has its own numbers of atoms and of substrate sites along y and x, and their densities."""
-    (case,) = make_study(changed("surface", size=["104 nm", "26 nm"], shape=[256, 64])).cases
-    assert case.lattice.atoms == (400, 100)
-    assert case.lattice.substrate_sites == (647, 162)
-    (square,) = make_study(copy.deepcopy(TABLE)).cases
-    # Δγ ∝ n_a n_b: the sites' density differs by the rounding of 161.8 sites to 162.
-    assert case.work_of_adhesion == pytest.approx(square.work_of_adhesion * 162 / 161.75, rel=1e-12)
-
-
-@pytest.mark.parametrize("given", ["well_depth", "work_of_adhesion"])
-def test_ratio_multiplies_the_well_depth_once(given):
-    tables = [changed("interaction", well_depth_ratio=ratio) for ratio in (1, 3)]
-    if given == "work_of_adhesion":
-        for table in tables:
-            del table["interaction"]["well_depth"]
-            table["interaction"]["work_of_adhesion"] = 0.69
-    one, three = (make_study(table).cases[0] for table in tables)
-    assert three.well_depth == pytest.approx(3 * one.well_depth, abs=0, rel=1e-14)
-    assert three.work_of_adhesion == pytest.approx(3 * one.work_of_adhesion, rel=1e-14)
-
-
-def test_misspelt_key_gets_a_suggestion():
-    with pytest.raises(InputError, match="did you mean rms_height"):
-        make_study(changed("surface", rms_heigth="1 nm"))
+    surface = {"kind": "wavy", "amplitude": "1 nm", "modes": [3, 31], "shape": [8, 64], "size": ["13 nm", "104 nm"]}
+    assert make_study(changed("surface", **surface)).cases[0].surface.modes == (3, 31)
 
 
 def test_hard_wall_needs_neither_adhesion_nor_tension():
-    table = changed("interaction", law="hard_wall")
-    for name in ("well_depth", "length", "contact_distance"):
-        del table["interaction"][name]
-    (case,) = make_study(table).cases
-    assert case.work_of_adhesion == 0.0
+    table = changed("interaction") | {"interaction": {"law": "hard_wall"}}
+    assert make_study(table).cases[0].work_of_adhesion == 0.0
     table["interaction"]["work_of_adhesion"] = 0.69
     assert make_study(table).cases[0].work_of_adhesion == 0.0
     table["loading"]["path"] = ["-0.1 GPa"]
@@ -412,21 +307,23 @@ def test_hard_wall_needs_neither_adhesion_nor_tension():
         make_study(table)
 
 
-def test_atoms_must_fill_the_cell():
-    table = changed("material", lattice_constant="2.7 angstrom")
-    with pytest.raises(InputError, match=r"material\.lattice_constant"):
-        _ = make_study(table).cases[0].lattice.atoms
-
-
 @pytest.mark.parametrize(
-    ("content", "culprit"), [(None, "cannot be read"), (b"\xff\xfe\x00", "no text"), (b"[surface\n", "no valid TOML")]
+    ("content", "culprit"),
+    [
+        (None, "cannot be read"),
+        (b"\xff\xfe\x00", "no text"),
+        (b"[surface\n", "no valid TOML"),
+        (b"sweep = 3", "sweep = 3"),
+        (b"surface = 3", "surface = 3"),
+        (b"override = 3", "override"),
+    ],
 )
 def test_unreadable_study(tmp_path, content, culprit):
     path = tmp_path / "study.toml"
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(InputError, match=culprit):
-        read_study(path)
+        read_study(path, {"surface.seed": 2})
 
 
 def test_a_lattice_that_does_not_fit_the_cell_is_told_of_one_that_does():
