@@ -1,5 +1,7 @@
 """Numbers without a unit in a study file are taken in SI, and that is said."""
 
+import tomllib
+
 import pytest
 
 from contact_study.study.study import make_study, read_study
@@ -63,16 +65,7 @@ def test_exceptions_and_the_command_line_count_too(tmp_path):
     assert "surface.size = 10 is 10 m" in notes(tmp_path, surface__size=10)[0]
 
 
-def test_zero_and_pure_numbers_need_no_unit(tmp_path):
-    gaps = STUDY.replace('["1 GPa", "2 GPa"]', '[0]\ncontrol = "gap"')
-    assert notes(tmp_path, gaps) == ()
-
-
-def test_tables_from_python_are_in_si_by_convention():
-    table = {
-        "surface": {"kind": "flat", "size": 1e-6, "shape": [8, 8]},
-        "material": {"youngs_modulus": 2e9, "poissons_ratio": 0.3},
-        "interaction": {"law": "hard_wall"},
-        "loading": {"path": [1e6]},
-    }
-    assert make_study(table).notes == ()
+def test_zero_and_tables_from_python_need_no_unit(tmp_path):
+    assert notes(tmp_path, STUDY.replace('["1 GPa", "2 GPa"]', '[0]\ncontrol = "gap"')) == ()
+    table = tomllib.loads(STUDY)
+    assert make_study(table | {"loading": {"path": [1e6]}}).notes == ()
