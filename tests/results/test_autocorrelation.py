@@ -44,28 +44,6 @@ def test_equals_the_count_of_pairs(shape, spacing, periodic):
     np.testing.assert_allclose(found, counted(contact, spacing, periodic), atol=1e-14)  # rounding
 
 
-def test_stripes_are_correlated_over_their_period():
-    """Stripes of half of every 32 points: pairs along x in contact by the triangle wave of their distance."""
-    x = np.arange(256)
-    contact = np.broadcast_to(x % 32 < 16, (256, 256))
-    found = contact_autocorrelation(contact, (1.0, 1.0))
-    angle = 2 * np.pi * (np.arange(720) + 0.5) / 720
-    for ring in (6, 9, 12, 14):
-        # Over the ring's area, of each radius by its share of it.
-        radius = 256 * np.sqrt(np.linspace(RING_EDGES[ring] ** 2, RING_EDGES[ring + 1] ** 2, 400))
-        lag = np.abs((radius[:, None] * np.cos(angle) + 16) % 32 - 16)
-        # Lags are points, not an area: a ring of radius 6 has some forty.
-        assert found[ring] == pytest.approx(np.mean(0.5 - lag / 32), abs=0.02)
-
-
-def test_patches_far_apart_do_not_know_of_one_another():
-    contact = np.random.default_rng(2).random((256, 256)) < 0.3
-    found = contact_autocorrelation(contact, (1.0, 1.0))
-    wide = 256 * RELATIVE_DISTANCE > 8
-    np.testing.assert_allclose(found[wide], 0.09, rtol=0.01)
-    assert np.all(np.isnan(found[256 * RING_EDGES[1:] < 1]))
-
-
 def test_near_a_point_it_falls_by_the_length_of_the_edge():
     """c(r) = A − (edge/area) r/π for a disc, whose edge is known."""
     x = np.arange(512) - 255.5

@@ -39,10 +39,7 @@ def test_flat_surfaces_pull_off_at_the_peak_and_take_their_work_of_adhesion():
 
 @pytest.mark.parametrize("control", ["pressure", "gap", "approach"])
 def test_a_path_without_a_converged_state_tells_nothing(control):
-    steps = [
-        {"relative_contact_area": 0.1, "converged": 0, "detached": 0, "mean_pressure": 1.0, "mean_separation": 1.0}
-    ]
-    assert path_results(series_of(steps, control), control) == {}
+    assert path_results(series_of([point(1.0, 1.0, converged=False)], control), control) == {}
 
 
 def test_pull_off_between_long_uneven_steps_is_within_its_error():
@@ -61,12 +58,6 @@ def test_pull_off_between_long_uneven_steps_is_within_its_error():
 def test_the_work_of_separation_is_that_to_infinity_wherever_the_path_ends():
     far, near = (path_results(flat(there_and_back(3e-10, end)), "gap") for end in (5e-9, 8e-10))
     assert near["work_of_separation"] == pytest.approx(far["work_of_separation"], rel=1e-3)
-
-
-def test_loading_that_ends_under_tension_is_where_the_work_begins():
-    closest = 1.1 * LAW.equilibrium_distance
-    found = path_results(flat(there_and_back(closest, 2e-9)), "gap")
-    assert found["work_of_separation"] == pytest.approx(-float(LAW.potential(np.array(closest))), rel=1e-3)
 
 
 def test_the_work_begins_where_the_pressure_is_none_between_two_states():
