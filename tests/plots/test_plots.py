@@ -12,8 +12,6 @@ import contact_study
 from contact_study import plots
 from contact_study.plots.hysteresis import dissipated_energy
 from contact_study.plots.style import COLOURS, length_unit, pressure_unit
-from contact_study.study.case import realise
-from contact_study.study.study import make_study
 
 SIDE, SPACING = 16, 1e-9
 
@@ -111,33 +109,6 @@ def test_a_wall_is_in_contact_where_it_presses_or_holds():
     wall = state(contact_distance=0.0)
     wall["gap"] = wall["gap"] * 0
     assert plots.contact_map(wall).images[0].get_array().astype(bool).sum() == 15 * SIDE
-
-
-EXPONENTIAL = {"interaction": {"law": "exponential", "length": "2 angstrom"}}
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        {"interaction": {"law": "hard_wall"}, "loading": {"path": ["2 GPa"]}, "sweep": {"surface.seed": [1, 2]}},
-        EXPONENTIAL | {"output": {"fields": True, "field_precision": "single"}},
-    ],
-)
-@pytest.mark.filterwarnings("ignore:.*without effect", "ignore:.*process zone", "ignore:.*rim of")
-def test_contact_map_shows_the_contact_of_the_dataset(changes):
-    dataset = contact_study.run({**STUDY, "output": {"fields": True}, **changes})
-    for number in range(dataset.sizes["step"]):
-        one = dataset.isel({dim: 1 for dim in dataset.converged.dims if dim != "step"} | {"step": number})
-        if one.detached == 1:
-            continue
-        alone = one.drop_vars(["relative_contact_area", "cluster_count"])
-        for shown in (one, alone):
-            axes = plots.contact_map(shown)
-            assert axes.images[0].get_array().astype(bool).mean() == one.relative_contact_area > 0
-            count = int(one.cluster_count)
-            words = "one cluster" if count == 1 else f"{count} clusters"
-            assert axes.get_title() == f"contact area {float(one.relative_contact_area):.3g}, {words}"
 
 
 def test_contact_map_of_thermal_means_tells_the_means_of_the_dataset():
@@ -270,20 +241,6 @@ def test_spectrum_is_that_of_the_waves_and_keeps_the_variance():
     assert np.mean(line.get_ydata()[-8:]) == pytest.approx(white, rel=0.2)
     with pytest.raises(ValueError, match="flat"):
         plots.surface_spectrum(state(height=(("y", "x"), np.zeros((SIDE, SIDE)))))
-
-
-def test_spectrum_has_the_fit_of_a_self_affine_surface_beside_it():
-    keys = {**STUDY["surface"], "shape": [128, 128], "cutoff_mode": 40, "hurst_exponent": 0.7}
-    surface = realise(make_study({**STUDY, "surface": keys}).cases[0])
-    y, x = surface.grid.coordinates
-    axes = plots.surface_spectrum(xr.Dataset({"height": (("y", "x"), surface.sampled)}, {"y": y, "x": x}))
-    measured, fitted = axes.lines
-    assert np.polyfit(*np.log(fitted.get_data()), 1)[0] == pytest.approx(-3.4, abs=0.1)  # scatter of the surface
-    assert fitted.get_xdata()[-1] == pytest.approx(40 * 2 * np.pi / 8.32e-9, rel=0.1)  # a band is 9 % wide
-    # The line goes through the points, within the scatter of bands with few waves.
-    level = np.interp(measured.get_xdata(), *fitted.get_data())
-    assert np.median(measured.get_ydata() / level) == pytest.approx(1, abs=0.2)
-    assert axes.get_legend_handles_labels()[1][0].startswith("H = 0.")
 
 
 def test_height_map_shows_the_heights():

@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 
-import contact_study
-from contact_study.results.observables.area import edge_sides
-from contact_study.results.observables.autocorrelation import (
-    RELATIVE_DISTANCE,
-    RING_EDGES,
-    RINGS,
-    contact_autocorrelation,
-)
-from tests.bem_adhesion.paper_system import study_table
+from contact_study.results.observables.autocorrelation import RING_EDGES, RINGS, contact_autocorrelation
 
 
 def counted(contact, spacing, periodic=True):
@@ -42,27 +34,3 @@ def test_equals_the_count_of_pairs(shape, spacing, periodic):
     contact = np.random.default_rng(1).random(shape) < 0.4
     found = contact_autocorrelation(contact, spacing, periodic)
     np.testing.assert_allclose(found, counted(contact, spacing, periodic), atol=1e-14)  # rounding
-
-
-def test_near_a_point_it_falls_by_the_length_of_the_edge():
-    """c(r) = A − (edge/area) r/π for a disc, whose edge is known."""
-    x = np.arange(512) - 255.5
-    radius = 150.0
-    contact = x[:, None] ** 2 + x[None, :] ** 2 < radius**2
-    found = contact_autocorrelation(contact, (1.0, 1.0))
-    near = (512 * RELATIVE_DISTANCE > 4) & (512 * RELATIVE_DISTANCE < 12)
-    slope = (contact.mean() - found[near]) / (512 * RELATIVE_DISTANCE[near])
-    np.testing.assert_allclose(slope, 2 * radius / 512**2, rtol=0.05)
-    along_x, along_y = edge_sides(contact)
-    np.testing.assert_allclose(slope, (along_x + along_y) / 4 / 512**2, rtol=0.05)
-
-
-def test_a_dataset_has_it_on_relative_distances():
-    table = study_table(32, size=500e-10, loading={"path": [1e9, 3e9]})
-    table["interaction"] = {"law": "hard_wall"}
-    found = contact_study.run(table, "continuum")
-    assert found.contact_autocorrelation.dims == ("step", "relative_distance")
-    np.testing.assert_array_equal(found.relative_distance, RELATIVE_DISTANCE)
-    nearest = found.contact_autocorrelation.isel(relative_distance=RELATIVE_DISTANCE > 1 / 32)
-    assert np.all(nearest <= found.relative_contact_area)
-    assert np.all(nearest.isel(relative_distance=0) > 2 * found.relative_contact_area**2)

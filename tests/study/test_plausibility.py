@@ -7,7 +7,7 @@ import pytest
 
 from contact_study.inputs.errors import InputError
 from contact_study.study.checks.idle_keys import idle_motion
-from contact_study.study.checks.plausibility import contact_stress, review, squeeze
+from contact_study.study.checks.plausibility import review
 from contact_study.study.study import make_study
 from tests.study.test_study import changed, of_another_kind
 
@@ -87,15 +87,6 @@ def test_weak_laws_are_said():
     assert len(notes) == 2
     assert "below the residual stress that solver.tolerance leaves" in notes[1]
     assert len(notes_of(interaction={"well_depth_ratio": 1e-8}, solver={"tolerance": 1e-12})) == 1
-
-
-def test_squeeze_is_where_the_law_carries_the_contact():
-    study = make_study(table_of(interaction={"well_depth_ratio": 1e-5}))
-    (case,), (scale,) = study.cases, study.scales
-    stress = contact_stress(case)
-    assert stress == pytest.approx(0.5 * case.material.contact_modulus * scale.rms_slope)
-    at = squeeze(case.law, stress) * case.law.equilibrium_distance
-    assert case.law.traction(np.array(at)) == pytest.approx(-stress, rel=1e-9)
 
 
 def test_no_unit_is_favoured():
