@@ -25,7 +25,6 @@ ELEMENT = isotropic_element(LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO)
 
 
 def rough_coefficients(modes=3, rms=2e-10, seed=0):
-    """Coefficients h_q, on 2·modes + 1 points a side, of a smooth random surface."""
     side = 2 * modes + 1
     heights = np.random.default_rng(seed).standard_normal((side, side))
     heights -= heights.mean()
@@ -33,7 +32,6 @@ def rough_coefficients(modes=3, rms=2e-10, seed=0):
 
 
 def sample(coefficients, shape):
-    """Heights of that surface on a larger grid."""
     side = coefficients.shape[0]
     modes = side // 2
     out = np.zeros((shape[0], shape[1] // 2 + 1), complex)
@@ -43,7 +41,6 @@ def sample(coefficients, shape):
 
 
 def substrate_of(atoms, coefficients=None):
-    """Substrate under ``atoms`` (y, x), rough or flat."""
     sites = tuple(round(1.618033988749895 * n) for n in atoms)
     spacing = tuple(n * LATTICE_CONSTANT / m for n, m in zip(atoms, sites, strict=True))
     heights = np.zeros(sites) if coefficients is None else sample(coefficients, sites)
@@ -51,57 +48,21 @@ def substrate_of(atoms, coefficients=None):
 
 
 def interface_of(atoms, coefficients=None, well_depth=WELL_DEPTH, cutoff=4.0):
-    """Lennard-Jones interface of a small system."""
     spacing = (LATTICE_CONSTANT, LATTICE_CONSTANT)
     return LennardJonesInterface(substrate_of(atoms, coefficients), atoms, spacing, well_depth, LENGTH, cutoff)
 
 
 def touching(interface):
-    """A flat layer of atoms just above the highest point of the surface, within reach of its attraction."""
     displacement = np.zeros((3, *interface.shape))
     displacement[2] = interface.rest_heights().max() + 1.1 * LENGTH
     return displacement
 
 
 def stiffness_of(atoms, layers=None):
-    """Block of a small system."""
     return surface_stiffness(ELEMENT, atoms, LATTICE_CONSTANT, layers or max(atoms))
 
 
-def case_of(atoms=(48, 48), ratio=1.0, path=("0.5 GPa",), control="pressure", scale=1.0, energy_scale=1.0, **sections):
-    """A study of one case; ``scale`` and ``energy_scale`` multiply every length and energy."""
-    angstrom = ANGSTROM * scale
-    table = {
-        "surface": {
-            "kind": "self_affine",
-            "size": [2.6 * angstrom * n for n in atoms],
-            "shape": list(atoms),
-            "rms_height": 2.0 * angstrom,
-            "cutoff_mode": 4,
-            "seed": 1,
-        },
-        "material": {
-            "youngs_modulus": YOUNGS_MODULUS * energy_scale / scale**3,
-            "poissons_ratio": POISSONS_RATIO,
-            "lattice_constant": 2.6 * angstrom,
-        },
-        "interaction": {
-            "law": "lennard_jones_10_4",
-            "well_depth": WELL_DEPTH * energy_scale,
-            "well_depth_ratio": ratio,
-            "length": 3.28 * angstrom,
-            "contact_distance": 3.68 * angstrom,
-        },
-        "loading": {"control": control, "path": list(path)},
-        "output": {"fields": True},
-    }
-    for section, content in sections.items():
-        table.setdefault(section, {}).update(content)
-    return make_study(table).cases[0]
-
-
 def apply(stiffness, displacement, free=False):
-    """S u by the definition in the module: the normal component times i makes the matrix real; without S_zz(0)."""
     u = np.fft.rfft2(displacement)
     u[2] *= 1j
     out = times_matrices(stiffness.coefficients, u)
@@ -112,21 +73,17 @@ def apply(stiffness, displacement, free=False):
 
 
 def times_matrices(six, u):
-    """One symmetric matrix per atom or wave times a vector field."""
     xx, yy, zz, xy, xz, yz = six
     x, y, z = u
     return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
 
 
 def matrices_of(six):
-    """The same matrices, shape (..., 3, 3)."""
     xx, yy, zz, xy, xz, yz = six
     return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1))
 
 
 class NoInterface:
-    """Atoms that nothing acts on."""
-
     length = LENGTH
 
     def evaluate(self, displacement, force, hessian=None):
@@ -171,8 +128,26 @@ MOVING = {
 }
 
 
+def case_of(atoms=(48, 48), ratio=1.0, path=("0.5 GPa",), control="pressure", **sections):
+    table = copy.deepcopy({name: SAMPLED[name] for name in ("surface", "material", "interaction")})
+    given = {
+        "surface": {
+            "size": [2.6 * ANGSTROM * n for n in atoms],
+            "shape": list(atoms),
+            "rms_height": 2.0 * ANGSTROM,
+            "cutoff_mode": 4,
+            "seed": 1,
+        },
+        "interaction": {"well_depth_ratio": ratio},
+        "loading": {"control": control, "path": list(path)},
+        "output": {"fields": True},
+    }
+    for section, content in (*given.items(), *sections.items()):
+        table.setdefault(section, {}).update(content)
+    return make_study(table).cases[0]
+
+
 def changed(**sections):
-    """The table of a small sampled study, with other keys."""
     table = copy.deepcopy(SAMPLED)
     for section, keys in sections.items():
         table.setdefault(section, {}).update(keys)
@@ -182,7 +157,6 @@ def changed(**sections):
 
 
 def moving(**sections):
-    """The table of a small study of molecular dynamics, with other keys."""
     names = {**MOVING, **sections}
     return changed(**{name: {**MOVING.get(name, {}), **sections.get(name, {})} for name in names})
 

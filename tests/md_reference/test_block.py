@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.sparse.linalg import LinearOperator, cg
 
 from contact_study.physics.solids import contact_modulus_of
 from md_reference.block.condensed import (
@@ -14,7 +13,7 @@ from md_reference.block.condensed import (
 )
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
 from md_reference.block.nonlinear_slab import rotating_slab_force
-from md_reference.block.slab import fill_ghosts, slab_constants, slab_force
+from md_reference.block.slab import slab_constants, slab_force
 from tests.md_reference.systems import (
     AREA,
     CONTACT_MODULUS,
@@ -33,7 +32,6 @@ TURNING = LATTICE_CONSTANT, LAME[1], LAME[0] - LAME[1]
 
 
 def dense_stiffness(element, shape, layers):
-    """Stiffness matrix of an explicit periodic block, both faces free."""
     rows, columns = shape
     number = np.arange(3 * (layers + 1) * rows * columns).reshape(layers + 1, rows, columns, 3)
     dense = np.zeros((number.size, number.size))
@@ -43,7 +41,7 @@ def dense_stiffness(element, shape, layers):
     return dense
 
 
-@pytest.mark.parametrize(("shape", "layers"), [((4, 4), 3), ((3, 5), 5), ((4, 2), 1)])
+@pytest.mark.parametrize(("shape", "layers"), [((3, 5), 5), ((4, 2), 1)])
 def test_condensation_equals_dense_schur_complement(shape, layers):
     surface, kept = 3 * shape[0] * shape[1], 3 * layers * shape[0] * shape[1]
     dense = dense_stiffness(ELEMENT, shape, layers)[:kept, :kept]  # the top plane is clamped
@@ -79,14 +77,6 @@ def test_element_carries_no_force_in_rigid_motion_and_has_the_isotropic_moduli()
     np.testing.assert_allclose(others, 0, atol=1e-12 * zz)
 
 
-@pytest.mark.parametrize(
-    ("mode", "modulus"), [(1, 1.00040), (3, 0.99987), (12, 0.99921), (40, 0.98865), (100, 0.87122), (200, 0.52212)]
-)
-def test_contact_modulus_of_the_paper_block(mode, modulus):
-    # The reference table used μ = 27.18, λ = 142.73 GPa and E* = 93.7348 GPa, rounded: 1.2e-4 below the exact μ.
-    assert contact_modulus(np.array([2 * np.pi * mode / 400]), 400)[0] == pytest.approx(modulus, abs=1.5e-4)
-
-
 def test_long_waves_see_the_contact_modulus_to_second_order():
     # At q times thickness >> 1 the half-space is reached exponentially; what is left is lattice dispersion, ∝ q².
     error = 1 - contact_modulus(2 * np.pi / np.array([50, 100, 200]), 2000)
@@ -95,16 +85,7 @@ def test_long_waves_see_the_contact_modulus_to_second_order():
     assert np.all((rates > 1.9) & (rates < 2.1))
 
 
-def test_swapping_the_axes_swaps_the_components():
-    phases = np.random.default_rng(2).uniform(-np.pi, np.pi, (2, 20))
-    direct = condense(ELEMENT, *phases, 11)
-    np.testing.assert_allclose(
-        condense(ELEMENT, *phases[::-1], 11)[[1, 0, 2, 3, 5, 4]], direct, atol=1e-12 * direct.max()
-    )
-
-
 def contact_modulus(phase, layers):
-    """E*(q) of waves along x over that of the material."""
     coefficients = condense(ELEMENT, np.zeros(phase.size), phase, layers)
     stiffness = SurfaceStiffness(None, LATTICE_CONSTANT, coefficients).normal_stiffness
     return contact_modulus_of(stiffness, phase / LATTICE_CONSTANT) / CONTACT_MODULUS
@@ -138,37 +119,16 @@ def random_vector(block, seed=0):
 
 
 def forces(block, vector):
-    """Forces on the nodes that move, for a rigid plane at rest."""
     force = np.zeros(block.size)
     block.force(vector.copy(), force)
     return np.where(block.mass > 0, force, 0.0)
-
-
-def normal_stiffness(block, mode, error=1e-9):
-    """Pressure per displacement of a wave of normal forces along x, the interior in balance."""
-    rows, columns = block.atoms
-    wave = np.cos(2 * np.pi * mode * np.arange(columns) / columns)[None, :] * np.ones((rows, 1))
-    load = np.zeros(block.size)
-    block.bottom_of(load)[2] = wave
-    diagonal = np.zeros(block.size)
-    for level, nodes in zip(block.levels, block.levels_of(diagonal), strict=True):
-        nodes[...] = 1 / (level.size * LATTICE_CONSTANT * LAME[1])
-    operator, inverse = (
-        LinearOperator((block.size,) * 2, matvec=of) for of in (lambda u: -forces(block, u), lambda r: diagonal * r)
-    )
-    found, info = cg(operator, load, rtol=error, maxiter=3000, M=inverse)
-    assert info == 0
-    return rows * columns / (2 * AREA * np.vdot(block.bottom_of(found)[2], wave))
 
 
 @pytest.mark.parametrize(
     ("atoms", "layers", "counts"),
     [
         ((400, 400), 400, (12, 8, 9, 8, 17)),
-        ((400, 400), 412, (12, 8, 8, 8, 18)),
-        ((200, 200), 200, (12, 8, 9, 17)),
         ((64, 48), 64, (12, 8, 8, 0)),
-        ((24, 24), 24, (12, 6)),
         ((25, 24), 30, (30,)),
         ((32, 32), 8, (8,)),
     ],
@@ -192,21 +152,6 @@ def test_forces_are_those_of_the_element():
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * np.max(np.abs(expected)))
 
 
-def test_uniform_block_condenses_to_the_surface_stiffness():
-    """One level of nodes against S(q) by doubling: the same block by two algorithms."""
-    full = stiffness_of((8, 8), 8).normal_stiffness[0, 1]
-    assert normal_stiffness(block_of((8, 8), (8,)), 1) == pytest.approx(full, rel=1e-7)
-
-
-def test_coarse_levels_keep_the_modulus():
-    """E*(q) of the coarsened block against all layers, within the 0.4 % of layers as few as these."""
-    atoms = (4, 32)
-    full = stiffness_of(atoms, 32).normal_stiffness[0]
-    block = block_of(atoms, (12, 10))
-    for mode in (1, 8):
-        assert normal_stiffness(block, mode, 1e-5) == pytest.approx(full[mode], rel=5e-3)
-
-
 def test_hanging_nodes_leave_the_stiffness_symmetric():
     block = block_of()
     u, v = random_vector(block, 1), random_vector(block, 2)
@@ -214,7 +159,6 @@ def test_hanging_nodes_leave_the_stiffness_symmetric():
 
 
 def strained(block, strain):
-    """Displacement linear in height."""
     u, floor = np.zeros(block.size), 0
     for level, nodes in zip(block.levels, block.levels_of(u), strict=True):
         heights = floor + level.size * np.arange(nodes.shape[1])
@@ -224,7 +168,6 @@ def strained(block, strain):
 
 
 def test_uniform_strain_and_rigid_motion_are_exact_across_levels():
-    """Every level has the same stress, and no node feels a force but at the faces."""
     block = block_of()
     u, force = strained(block, 1e-3) + 5.0 * LATTICE_CONSTANT, np.zeros(block.size)
     block.force(u, force)
@@ -237,19 +180,6 @@ def test_uniform_strain_and_rigid_motion_are_exact_across_levels():
     block.bottom_of(force)[...] = block.top_of(force)[...] = 0
     # Springs of the size of the applied stress cancel to their rounding.
     assert np.max(np.abs(block.nodes_of(force))) < 1e-12 * abs(stress)
-
-
-def test_compression_is_what_planes_do_as_a_whole():
-    """Exactly so if they move as a whole, and part of the energy of any displacement."""
-    block = block_of(layers=(4, 3))
-    nodes, force = random_vector(block), np.empty(block.size)
-    block.force(nodes, force)
-    assert 0 < block.compression_energy(nodes) < block.elastic_energy(nodes, force) / (256 * AREA)
-    for level in block.levels_of(nodes):
-        level[:2] = 0.0
-        level[2] = level[2, :, 1:2, 1:2].copy()
-    block.force(nodes, force)
-    assert block.compression_energy(nodes) == pytest.approx(block.elastic_energy(nodes, force) / (256 * AREA), rel=1e-9)
 
 
 def test_nodes_weigh_what_they_stand_for():
@@ -265,7 +195,6 @@ LINEAR, ROTATING = (block_of((16, 8), (3, 2), kind) for kind in (MultiscaleBlock
 
 
 def test_first_order_of_turning_springs_is_the_linear_block():
-    """Random strains of every kind: the difference of the forces falls with the square of the strain."""
     errors = []
     for strain in (4e-3, 2e-3, 1e-3):
         one, other = (forces(block, strain * LATTICE_CONSTANT * random_vector(block)) for block in (LINEAR, ROTATING))
@@ -276,7 +205,6 @@ def test_first_order_of_turning_springs_is_the_linear_block():
 
 
 def test_a_turn_costs_nothing():
-    """All nodes, ghosts too, turned by 30° about a skew axis; the linear cell is strained by that."""
     axis, angle = np.array([1.0, 2.0, -0.5]) / np.sqrt(5.25), np.pi / 6
     cross = np.cross(np.eye(3), axis)
     turn = np.eye(3) + np.sin(angle) * cross.T + (1 - np.cos(angle)) * cross.T @ cross.T
@@ -294,7 +222,6 @@ def test_a_turn_costs_nothing():
 
 
 def test_forces_of_turning_springs_are_the_gradient_of_the_energy():
-    """Over both levels and the plane that hangs between them, at strains where the block is far from linear."""
     at, along = 0.1 * LATTICE_CONSTANT * random_vector(ROTATING), LATTICE_CONSTANT * random_vector(ROTATING, 1)
 
     def energy(displacement):
@@ -309,25 +236,8 @@ def test_forces_of_turning_springs_are_the_gradient_of_the_energy():
     assert np.max(np.abs(forces(LINEAR, at) - forces(ROTATING, at))) > 0.1 * SCALE
 
 
-def test_energy_of_turning_springs_is_a_sum_over_rows():
-    """Every spring and every volume belongs to one row, across the periodic edges, too."""
-    u = 0.1 * LATTICE_CONSTANT * np.random.default_rng(2).standard_normal((3, 4, 11, 8))
-    fill_ghosts(u)
-    force, parts = np.zeros_like(u), np.zeros_like(u)
-    energy = rotating_slab_force(u, force, *TURNING, 0, 9)
-    found = [rotating_slab_force(u, parts, *TURNING, *rows) for rows in ((0, 1), (1, 5), (5, 9))]
-    # Rounding of a sum of hundreds of terms.
-    assert sum(found) == pytest.approx(energy, rel=1e-13)
-    np.testing.assert_array_equal(parts[:, :, 1:-1, 1:-1], force[:, :, 1:-1, 1:-1])
-    # The same nodes seen from another row and column on.
-    u[:, :, 1:-1, 1:-1] = np.roll(u[:, :, 1:-1, 1:-1], (3, 2), axis=(2, 3))
-    fill_ghosts(u)
-    assert rotating_slab_force(u, parts, *TURNING, 0, 9) == pytest.approx(energy, rel=1e-13)
-
-
-@pytest.mark.parametrize("pressure", [1e8, 2e10, -5e9])
+@pytest.mark.parametrize("pressure", [2e10, -5e9])
 def test_flat_block_of_turning_springs_under_pressure(pressure):
-    """Strained along z alone, the forces on the plane on top are the pressure, and the energy that of the block."""
     area, force = 16 * 8 * AREA, np.zeros(ROTATING.size)
     strain = -pressure / (LAME[0] + 2 * LAME[1])
     for _ in range(30):  # Newton's method with the modulus at rest

@@ -5,7 +5,6 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-import md_reference
 from contact_study.study.case import realise
 from md_reference import rough_contact
 from md_reference.study.model import solve_path
@@ -107,10 +106,6 @@ def test_a_solution_starts_a_step_and_speaks_for_itself():
     assert found != further
     assert len({found, further}) == 2
     assert len(repr(found).splitlines()) == 2
-
-
-def test_all_that_is_exported_exists():
-    assert all(hasattr(md_reference, name) for name in md_reference.__all__)
 
 
 def test_threads_that_share_a_block_take_turns_and_find_their_start_as_it_was():

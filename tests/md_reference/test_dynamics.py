@@ -1,6 +1,5 @@
 """Molecular dynamics as a user meets it: an approach, a rest, a thermostat, a stop in the middle."""
 
-import tracemalloc
 from contextlib import nullcontext
 
 import numpy as np
@@ -11,12 +10,9 @@ from contact_study.campaign import memory
 from contact_study.campaign.worker import case_run
 from contact_study.inputs.errors import InputError
 from contact_study.results.schema import STANDARD_ERROR, TRAJECTORY
-from contact_study.study.case import realise
 from contact_study.study.study import make_study
-from md_reference.statics.contact import separated
-from md_reference.study.dynamics import build_block, largest_time_step, longitudinal_modulus, time_step
-from md_reference.study.model import MODEL, check, solve_path
-from md_reference.study.system import build_interface
+from md_reference.study.dynamics import largest_time_step, longitudinal_modulus, time_step
+from md_reference.study.model import MODEL, check
 from md_reference.thermal.langevin import MolecularDynamics
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
@@ -40,7 +36,6 @@ def run(table, warning=None):
 
 
 def not_converged(**sections):
-    """A run of one point that did not converge, and what is said of it."""
     dataset = run(moving(**sections), "did not converge")
     assert dataset.converged.item() == 0
     return dataset, str(dataset.message.values[0])
@@ -50,10 +45,8 @@ def case_of(**sections):
     return make_study(moving(**sections)).cases[0]
 
 
-@pytest.mark.parametrize("ratio", [1, pytest.param(4, marks=pytest.mark.validation), 8])
-def test_explicit_block_comes_to_rest_where_the_condensed_one_does(ratio):
-    """Two blocks and two algorithms: Newton's law with damping from above, the minimiser with S(q)."""
-    interaction = {"well_depth_ratio": ratio}
+def test_explicit_block_comes_to_rest_where_the_condensed_one_does():
+    interaction = {"well_depth_ratio": 8}
     rest = run(moving(interaction=interaction))
     still = run(moving(interaction=interaction, atomistic={"method": "quasi_static"}, dynamics={}))
     assert rest.converged.item() == 1
@@ -97,24 +90,18 @@ def test_series_tells_the_approach(tmp_path):
 
 
 @SHORT
-@pytest.mark.parametrize("damping", ["1e-6 ps^-1", 0.0])
-def test_a_block_in_flight_did_not_converge(damping):
-    """A load that is nearly nothing, just within reach: all forces are small but those of the impact to come."""
-    flying = {"duration": "1 ps", "damping": damping, "approach_speed": "100 m/s"}
-    dataset, message = not_converged(loading={"path": ["1 MPa"]}, dynamics=flying)
-    assert dataset.relative_contact_area.item() == 0
-    if not damping:
-        assert "on average, not the 1e+06 Pa applied" in message
-        return
+def test_a_block_in_flight_did_not_converge():
+    # All forces are small but those of the impact to come.
+    flying = {"duration": "1 ps", "damping": "1e-6 ps^-1", "approach_speed": "100 m/s"}
+    dataset, _ = not_converged(loading={"path": ["1 MPa"]}, dynamics=flying)
     case = case_of()
     impact = 100 * np.sqrt(longitudinal_modulus(case) * case.material.atom_mass / case.lattice.constant**3)
-    # Before its surface is pulled by more than that by far.
+    assert dataset.relative_contact_area.item() == 0
     assert dataset.residual.item() == pytest.approx(impact / CONTACT_MODULUS, rel=0.01)
 
 
 @SHORT
 def test_a_block_without_damping_has_the_means_of_its_motion():
-    """It swings about its balance for ever: no last state answers for the load, the mean over many swings does."""
     swinging = {"damping": 0.0, "approach_speed": "20 m/s", "frames": 200}
     dataset = run(moving(dynamics=swinging), r"dynamics\.damping = 0: nothing takes the energy of the")
     assert dataset.converged.item() == 1
@@ -127,7 +114,6 @@ def test_a_block_without_damping_has_the_means_of_its_motion():
 
 @SHORT
 def test_a_warm_block_that_rings_or_falls_did_not_converge():
-    """An impact without damping to speak of: the load is carried within an error of ten times itself."""
     bouncing = {"duration": "16 ps", "damping": "0.01 ps^-1", "approach_speed": "100 m/s", "frames": 100}
     warm = {"temperature": 300.0}
     dataset, message = not_converged(atomistic=warm, loading={"path": ["0.1 GPa"]}, dynamics=bouncing)
@@ -135,16 +121,10 @@ def test_a_warm_block_that_rings_or_falls_did_not_converge():
     assert abs(dataset.mean_pressure.item() - 0.1e9) < 4 * error
     assert error > 0.1e9
     assert message.startswith("the block still moves up and down as a whole, with ")
-    # So much damping that 1 ps does not bring the block down.
-    slow = {"duration": "1 ps", "damping": "3 ps^-1", "approach_speed": 0.0}
-    dataset, message = not_converged(atomistic=warm, dynamics=slow)
-    assert dataset.residual.item() > 0
-    assert message.startswith("the block still falls at ")
 
 
 @pytest.mark.filterwarnings("ignore:.* did not converge")
 def test_a_single_state_that_counts_is_warned_of():
-    """Half of two frames. Without a thermostat one is the answer, and nothing is said."""
     two = {"duration": "1 ps", "frames": 2}
     warm = moving(atomistic={"temperature": 300.0}, dynamics=two, surface=SMALL)
     dataset = run(warm, "one state of a point counts: .*; raise dynamics.frames")
@@ -154,7 +134,6 @@ def test_a_single_state_that_counts_is_warned_of():
 
 @pytest.mark.validation
 def test_warm_blocks_explicit_and_condensed_agree():
-    """Langevin dynamics of all nodes against Monte Carlo of the condensed layer, at 300 K within their errors."""
     loading, given = {"path": ["3 GPa"]}, {"duration": "100 ps", "damping": "0.5 ps^-1", "frames": 800}
     explicit = run(moving(atomistic={"temperature": 300.0}, dynamics=given, loading=loading))
     condensed = run(changed(surface=MOVING["surface"], sampling={"trajectories": 600}, loading=loading))
@@ -167,38 +146,27 @@ def test_warm_blocks_explicit_and_condensed_agree():
 
 
 @pytest.mark.filterwarnings("ignore:.* did not converge")  # after 1 ps no block has come to rest
-@pytest.mark.parametrize(
-    "loading",
-    [
-        {"path": ["1 GPa", "2 GPa"]},
-        pytest.param({"control": "gap", "path": ["0.5 nm", "0.4 nm"]}, marks=pytest.mark.validation),
-    ],
-)
-def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, monkeypatch):
+def test_run_stopped_within_a_point_goes_on_to_the_same_bits(tmp_path, monkeypatch):
     given = {"duration": "1 ps", "frames": 20}
     warm, output = {"temperature": 300.0}, {"fields": False}
-    study = moving(atomistic=warm, dynamics=given, loading=loading, output=output, surface=SMALL)
-    # Half of 1 ps at 300 K: no wave of the block has come round. Driven to a gap the state at the end is the point's.
+    study = moving(atomistic=warm, dynamics=given, loading={"path": ["1 GPa", "2 GPa"]}, output=output, surface=SMALL)
     words = r"the 10 states of a point, 0\.\d+ ps, are too few for an autocorrelation time, .*: .*; raise "
-    driven = loading.get("control") == "gap"
-    with nullcontext() if driven else pytest.warns(UserWarning, match=f"{words}dynamics.frames"):
+    with pytest.warns(UserWarning, match=f"{words}dynamics.frames"):
         contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
     stop_at, taken = stopper(monkeypatch, MolecularDynamics, "move")
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
-    whole = 20 * len(loading["path"])  # frames
-    for stop in (whole // 4, whole // 2):
+    for stop in (10, 20):  # of 40 frames
         stop_at(stop)
         with pytest.raises(KeyboardInterrupt):
-            contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=stop == whole // 2)
+            contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=stop == 20)
     stop_at(10**9)
-    with nullcontext() if driven else pytest.warns(UserWarning, match="autocorrelation time"):
+    with pytest.warns(UserWarning, match="autocorrelation time"):
         contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=True)
-    assert len(taken) < 0.5 * whole
+    assert len(taken) < 20
     assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(tmp_path / "whole.nc"))
 
 
 def driven(path, **sections):
-    """A plane driven along a path of gaps, at rest for 40 ps where one repeats, over a block of 8 × 8 atoms."""
     given = {"duration": "40 ps", "damping": "0.6 ps^-1", "approach_speed": "50 m/s", "frames": 10}
     loading = {"control": "gap", "path": path}
     return moving(**{"dynamics": given, "loading": loading, "surface": SMALL, **sections})
@@ -230,17 +198,7 @@ def test_driven_plane_goes_where_it_is_told_at_its_speed():
     assert at.relative_contact_area.item() == pytest.approx(still.relative_contact_area.item(), abs=0.01)
 
 
-def test_a_driven_plane_presses_as_far_as_the_block_gives_way():
-    """Beyond the law's equilibrium distance, which no mean gap goes: 3.5 Å of 20.8 Å."""
-    dataset = run(driven(["0.5 nm", "-0.35 nm", "-0.35 nm"])).isel(step=2)
-    assert dataset.mean_pressure > 1e10
-    thickness = 8 * LATTICE_CONSTANT
-    squeezed = dataset.mean_pressure.item() * thickness / longitudinal_modulus(case_of())
-    assert dataset.mean_separation.item() == pytest.approx(-0.35e-9 + squeezed, abs=1e-4 * thickness)
-
-
 def test_a_driven_layer_is_where_what_holds_it_is():
-    """Not by what the interface carries, of which the layer's base has felt nothing yet when the block snaps in."""
     layer = {"kind": "layer", "thickness": "20.8 angstrom"}
     held, free = run(driven(["0.2 nm"], elasticity=layer)), run(driven(["0.2 nm"]))
     assert abs(held.mean_pressure.item()) > 1e9
@@ -251,7 +209,6 @@ def test_a_driven_layer_is_where_what_holds_it_is():
 
 
 def test_points_closer_than_their_frames_are_passed_at_the_speed_of_approach(tmp_path):
-    """0.025 Å at 50 m/s are four steps: four frames of one each."""
     loading = {"control": "gap", "path": ["0.9 nm", "0.8975 nm", "0.895 nm"]}
     study = moving(loading=loading, dynamics={"approach_speed": "50 m/s"}, surface=SMALL)
     contact_study.run(study, "atomistic", output=tmp_path / "md.nc")
@@ -261,26 +218,6 @@ def test_points_closer_than_their_frames_are_passed_at_the_speed_of_approach(tmp
     np.testing.assert_allclose(np.diff(root.time), way, rtol=0, atol=step)
     frames = np.isfinite(groups[f"/{TRAJECTORY}"].time.values).sum(axis=1)
     assert frames.tolist() == [20, *root.iterations[1:].values]
-
-
-@SHORT
-def test_a_driven_block_at_the_edge_of_reach_has_a_separation(tmp_path):
-    """Thermal motion brings it in and out of reach; a few Å above it is detached, and known to be there."""
-    case = case_of()
-    interface = build_interface(case, realise(case))
-    edge = float(separated(interface)[2].max() - interface.rest_heights().mean()) - case.law.equilibrium_distance
-    gaps = [edge + 2e-11, edge + 2e-11, edge + 3e-10, edge + 3e-10]
-    given = {"duration": "1 ps", "damping": "3 ps^-1", "approach_speed": "50 m/s"}
-    study = moving(atomistic={"temperature": 300.0}, loading={"control": "gap", "path": gaps}, dynamics=given)
-    contact_study.run(study, "atomistic", output=tmp_path / "md.nc")
-    groups = groups_of(tmp_path / "md.nc")
-    root, series = groups["/"], groups[f"/{TRAJECTORY}"]
-    assert 0 < np.count_nonzero(series.mean_pressure.values[1, 10:]) < 10
-    assert root.detached.values.tolist() == [0, 0, 1, 1]
-    assert np.isfinite(series.mean_gap).all()
-    # The surface of a block of 42 Å moves by a tenth of an ångström at 300 K.
-    np.testing.assert_allclose(root.mean_separation, gaps, rtol=0, atol=3e-11)
-    assert root["mean_separation" + STANDARD_ERROR][1] > 0
 
 
 def test_a_torn_off_block_comes_down_again():
@@ -328,20 +265,8 @@ def test_atoms_without_mass_do_not_move():
 
 
 def test_block_beyond_the_memory_is_refused_with_what_it_needs(monkeypatch):
-    """The bound is what a run takes, noise, nodes to keep and all; the case itself is in memory before."""
-    given = {"atomistic": {"temperature": 300.0}, "output": {"atoms": "block"}}
-    large = {"size": "124.8 angstrom", "shape": [48, 48]}
-    case = case_of(surface=large, dynamics={"frames": 2, "duration": "50 fs"}, **given)
-    surface = realise(case)
-    for _ in range(2):  # the first one compiles
-        tracemalloc.start()
-        for _ in next(iter(solve_path(case, surface))).states:
-            pass
-        taken = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-    nodes = build_block(case).size / 3
-    assert 200 * nodes < taken < 300 * nodes
-    monkeypatch.setattr(memory, "_memory", lambda: 0.5 * taken)
+    case = case_of(surface={"size": "124.8 angstrom", "shape": [48, 48]})
+    monkeypatch.setattr(memory, "_memory", lambda: 6e6)
     with pytest.raises(InputError, match=r'"dynamics": a block of 3.98e\+04 nodes: needs at least 0.0119 GB'):
         memory.require(MODEL.needs(case))
 
@@ -354,7 +279,6 @@ def test_time_step_is_the_one_asked_for():
 
 @SHORT
 def test_a_blow_too_hard_for_the_time_step_says_so():
-    """A step just below what a contact at rest bears, and a compression under which the contact is stiffer."""
     strong = {"interaction": {"well_depth_ratio": 8}}
     fast = {"approach_speed": "300 m/s", "damping": 0.0, "time_step": 0.98 * largest_time_step(case_of(**strong))}
     with pytest.raises(InputError, match=r"dynamics\.time_step = .* an atom ran into the substrate .* a shorter one"):
@@ -362,7 +286,6 @@ def test_a_blow_too_hard_for_the_time_step_says_so():
 
 
 def test_turning_springs_move_nearly_as_linear_ones():
-    """On its way down: what the rotation adds is of the second order."""
     gaps = []
     for block in ("isotropic", "nonlinear_springs"):
         given = {"surface": {**SMALL, "rms_height": "0.3 angstrom"}, "dynamics": {"duration": "4 ps", "frames": 2}}

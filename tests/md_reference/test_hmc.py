@@ -25,8 +25,6 @@ from tests.md_reference.systems import (
 
 
 class Quartic:
-    """Every atom in the same anharmonic well along z: E = ¼ k u⁴."""
-
     length = LENGTH
 
     def __init__(self, strength):
@@ -42,14 +40,6 @@ class Quartic:
         return 0.25 * self.strength * float(np.sum(z**4))
 
 
-def real_stiffness(stiffness):
-    """S(q) as complex 3 × 3 matrices, by the definition in :mod:`md_reference.block.condensed`."""
-    xx, yy, zz, xy, xz, yz = stiffness.coefficients.astype(complex)
-    zz = zz.copy()
-    zz[0, 0] = 0
-    return np.moveaxis(np.array([[xx, xy, 1j * xz], [xy, yy, 1j * yz], [-1j * xz, -1j * yz, zz]]), (0, 1), (-2, -1))
-
-
 def chain(sampler, displacement, count, seed=0, equilibration=50):
     generator = np.random.default_rng(seed)
     state = sampler.equilibrated(sampler.start(displacement), equilibration, generator)
@@ -58,37 +48,7 @@ def chain(sampler, displacement, count, seed=0, equilibration=50):
         yield state
 
 
-def test_free_surface_moves_as_the_stiffness_says():
-    """⟨u_q u_q†⟩ = k_BT S⁻¹: every mode of every wave, and all three directions together, within their errors."""
-    shape = (8, 12)
-    stiffness = stiffness_of(shape)
-    sampler = ThermalSampler(stiffness, NoInterface(), CONTACT_MODULUS, 300.0, fixed_mean=True)
-    matrices = real_stiffness(stiffness)
-    values, vectors = np.linalg.eigh(matrices)
-    energies = []
-    for state in chain(sampler, np.zeros((3, *shape)), 600):
-        u = np.moveaxis(state.displacement, 0, -1)
-        amplitudes = np.einsum("yxcm,yxc->yxm", vectors.conj(), u)
-        energies.append(values * np.abs(amplitudes) ** 2 / (shape[0] * shape[1]))
-        assert abs(state.displacement[2, 0, 0]) == 0  # the mean is prescribed
-    found = statistics_of(np.array(energies) / (constants.k * 300))
-    # One of the 3 × 8 × 7 modes is the mean that is held; each other has k_BT on its two quadratures together.
-    free = found.standard_error > 0
-    assert np.sum(~free) == 1
-    deviation = (found.mean - 1)[free] / found.standard_error[free]
-    assert np.max(np.abs(deviation)) < 5  # 167 nearly normal numbers, and errors known to a fifth
-    assert np.mean(deviation**2) == pytest.approx(1, abs=0.5)
-    # All at once; the energy of a trajectory is that of its velocities, so that the modes are not independent.
-    together = statistics_of(np.mean(np.array(energies)[:, free], axis=1) / (constants.k * 300))
-    assert together.standard_error < 0.01
-    assert abs(together.mean - 1) < 4 * together.standard_error
-
-
 def test_anharmonic_well_is_sampled_exactly(monkeypatch):
-    """Independent atoms, each with exp(−(¼ku⁴ + pa²u)/k_BT): moments against quadrature, ΔH being about k_BT.
-
-    By kicks as even as leapfrog's: with the others ΔH is either next to nothing or stability is at its end.
-    """
     monkeypatch.setattr("md_reference.thermal.hmc._OUTER_KICK", 0.25)
     shape, temperature, pressure = (4, 4), 300.0, 2e9
     thermal = constants.k * temperature
@@ -122,7 +82,6 @@ def test_anharmonic_well_is_sampled_exactly(monkeypatch):
 
 @pytest.fixture(scope="module")
 def pressed():
-    """Atoms on a rough substrate: what makes a sampler at 1 GPa, and the equilibrium."""
     shape, pressure = (16, 16), 1e9
     interface = interface_of(shape, rough_coefficients())
     stiffness = stiffness_of(shape)
@@ -141,7 +100,6 @@ def energy_error(sampler, state, velocity, steps):
 
 @pytest.mark.parametrize(("harmonic", "ratio", "within"), [(False, 4, (0.12, 0.03)), (True, 16, (0.03, 0.01))])
 def test_energy_error_falls_with_a_power_of_the_step(pressed, harmonic, ratio, within):
-    """The square; the fourth power for harmonic waves, whose own energy is H times a factor in second order."""
     sampler, equilibrium = pressed[0](), pressed[1]
     if harmonic:
         sampler = ThermalSampler(stiffness_of((8, 12)), NoInterface(), CONTACT_MODULUS, 300.0, fixed_mean=True)
@@ -156,20 +114,6 @@ def test_energy_error_falls_with_a_power_of_the_step(pressed, harmonic, ratio, w
     # What the next order adds to a ratio falls by four as well.
     assert errors[0] / errors[1] == pytest.approx(ratio, rel=within[0])
     assert errors[1] / errors[2] == pytest.approx(ratio, rel=within[1])
-
-
-def test_the_way_back_is_the_way_there(pressed):
-    sampler, equilibrium = pressed[0](), pressed[1]
-    generator = np.random.default_rng(0)
-    state = sampler.equilibrated(sampler.start(equilibrium), 20, generator)
-    velocity = sampler.velocities(state, generator)
-    there, reached, change = sampler.follow(state, velocity, 20)
-    back, again, change_back = sampler.follow(there, -reached, 20)
-    moved = np.max(np.abs(there.displacement - state.displacement))
-    # Rounding grows with the steps and the curvature of the wells: 1e-16 of heights of 1e-9 m a step, tenfold.
-    assert np.max(np.abs(back.displacement - state.displacement)) < 1e-10 * moved
-    np.testing.assert_allclose(again, -velocity, atol=1e-10 * np.max(np.abs(velocity)))
-    assert change_back == pytest.approx(-change, abs=1e-9 * abs(change) + 1e-12 * sampler.thermal_energy)
 
 
 @pytest.mark.parametrize("fixed_mean", [False, True])
@@ -190,19 +134,7 @@ def test_cold_atoms_stand_where_the_minimiser_puts_them(pressed, fixed_mean):
         assert np.ptp([np.mean(place[2]) for place in places]) < 1e-12 * LENGTH
 
 
-def test_mean_force_carries_the_load(pressed):
-    """⟨F_z⟩ = p a² at any temperature, an identity of the canonical distribution."""
-    sampler, equilibrium = pressed[0](), pressed[1]
-    means = []
-    for state in chain(sampler, equilibrium, 400):
-        sampler.interaction.evaluate(sampler.displacement(state), sampler.force)
-        means.append(np.mean(sampler.force[2]) / AREA / 1e9)
-    found = statistics_of(np.array(means))
-    assert found.standard_error < 0.05
-    assert abs(found.mean - 1) < 4 * found.standard_error
-
-
-@pytest.mark.parametrize("first_step", [0.15, 0.4, 5.0])
+@pytest.mark.parametrize("first_step", [0.15, 5.0])
 def test_the_time_step_is_found_from_far_away(pressed, first_step):
     sampler, equilibrium = pressed[0](), pressed[1]
     generator = np.random.default_rng(0)
@@ -217,7 +149,6 @@ def test_the_time_step_is_found_from_far_away(pressed, first_step):
 
 
 def test_a_step_that_is_never_stable_ends():
-    """Every trajectory runs into the substrate, whatever its step: the search goes on in steps that it can afford."""
     stiffness = stiffness_of((4, 4))
 
     class Inside(NoInterface):
@@ -229,14 +160,3 @@ def test_a_step_that_is_never_stable_ends():
     state = sampler.equilibrated(sampler.start(np.zeros((3, 4, 4))), 80, np.random.default_rng(0))
     assert state.time_step == pytest.approx(0.4 / 64)
     assert state.evaluations == 1 + 2 * 80  # the state itself and the first stage of every trajectory
-
-
-def test_proposals_inside_the_substrate_are_refused(pressed):
-    sampler, equilibrium = pressed[0](), pressed[1]
-    state = replace(sampler.start(equilibrium), time_step=30.0)
-    after = sampler.next(state, np.random.default_rng(0))
-    assert after.accepted == 0
-    assert after.trajectories == 1
-    np.testing.assert_array_equal(after.displacement, state.displacement)
-    finer = sampler.equilibrated(state, 20, np.random.default_rng(0))
-    assert finer.time_step < 3.0

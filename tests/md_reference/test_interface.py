@@ -26,7 +26,6 @@ INTERFACE = interface_of(ATOMS, SURFACE)
 
 
 def state_on(interface, seed=0, lateral=20e-10, lowest=0.95, highest=2.5):
-    """Atoms anywhere within several lattice constants of their rest positions, above the surface there."""
     rng = np.random.default_rng(seed)
     u = np.zeros((3, *interface.shape))
     u[:2] = rng.uniform(-lateral, lateral, (2, *interface.shape))
@@ -41,14 +40,12 @@ def evaluated(interface, u, with_hessian=False):
 
 
 def switched_pair(s, cutoff=4.0):
-    """Pair energy of r², written independently: 1 − 10x³ + 15x⁴ − 6x⁵ between 0.9 r_c and r_c."""
     x = np.clip((s / (cutoff * LENGTH) ** 2 - 0.81) / 0.19, 0, 1)
     t = (LENGTH**2 / s) ** 3
     return 4 * WELL_DEPTH * (t**2 - t) * (1 - 10 * x**3 + 15 * x**4 - 6 * x**5)
 
 
 def pair_sum(interface, u):
-    """Energy by brute force over all periodic images within three cells."""
     substrate = interface.substrate
     rows, columns = substrate.shape
     j, i = np.meshgrid(np.arange(-3 * rows, 4 * rows), np.arange(-3 * columns, 4 * columns), indexing="ij")
@@ -99,7 +96,6 @@ def test_force_and_hessian_are_derivatives_to_second_order_of_the_difference():
 @settings(max_examples=25)
 @given(rows=st.integers(-20, 20), columns=st.integers(-20, 20), seed=st.integers(0, 99))
 def test_periods_and_moves_of_the_whole_change_nothing(rows, columns, seed):
-    """Atoms moved by periods of the cell, and atoms and substrate moved together by sites."""
     u, substrate = state_on(INTERFACE, seed), INTERFACE.substrate
     energy, here = evaluated(INTERFACE, u)
     rolled = Substrate(np.roll(substrate.heights, (rows, columns), (0, 1)), substrate.spacing)
@@ -118,60 +114,12 @@ def test_periods_and_moves_of_the_whole_change_nothing(rows, columns, seed):
         np.testing.assert_allclose(interface.gap(moved), INTERFACE.gap(u), atol=1e-22)
 
 
-def test_mirror_symmetry_of_a_symmetric_system():
-    """An even surface under the mirrored state: forces mirror too."""
-    even = np.cos(2 * np.pi * np.arange(16) / 16)[None, :] * np.ones((11, 1)) * 1e-10
-    substrate = Substrate(even, (7 * LATTICE_CONSTANT / 11, 10 * LATTICE_CONSTANT / 16))
-    interface = LennardJonesInterface(substrate, ATOMS, (LATTICE_CONSTANT,) * 2, WELL_DEPTH, LENGTH, 4.0)
-
-    def mirrored(vectors):
-        image = np.roll(vectors[:, :, ::-1], 1, axis=2)
-        image[0] *= -1
-        return image
-
-    u = state_on(interface, lateral=1e-10)
-    here, there = evaluated(interface, u)[1], evaluated(interface, mirrored(u))[1]
-    np.testing.assert_allclose(there, mirrored(here), atol=1e-11 * np.abs(here).max())
-
-
-def single_pair(distance):
-    """Energy, force and curvature along z of one atom over one site, alone in a wide cell; reduced units."""
-    cell = (12 * LENGTH,) * 2
-    single = LennardJonesInterface(Substrate(np.zeros((1, 1)), cell), (1, 1), cell, WELL_DEPTH, LENGTH, 4.0)
-    energy, force, hessian = evaluated(single, np.array([0.0, 0.0, distance * LENGTH]).reshape(3, 1, 1), True)
-    return np.array([energy, force[2, 0, 0] * LENGTH, hessian[2, 0, 0] * LENGTH**2]) / WELL_DEPTH
-
-
-@pytest.mark.parametrize("distance", [1.0, 2.5, 3.65, 3.8, 3.95])
-def test_one_pair_before_and_within_the_switch(distance):
-    energy, force, curvature = single_pair(distance)
-    assert energy == pytest.approx(switched_pair((distance * LENGTH) ** 2) / WELL_DEPTH, rel=1e-12)
-    step = 1e-5
-    above, below = single_pair(distance + step), single_pair(distance - step)
-    # Second-order differences: relative step² and rounding / step, both below 1e-7 of the larger derivative.
-    assert force == pytest.approx(-(above[0] - below[0]) / (2 * step), rel=1e-6)
-    assert curvature == pytest.approx(-(above[1] - below[1]) / (2 * step), rel=1e-6)
-
-
-def test_the_switch_has_two_continuous_derivatives():
-    assert np.all(np.abs(single_pair(3.8)) > 1e-5)
-    for end in (3.6, 4.0):
-        jumps = [np.abs(single_pair(end + h) - single_pair(end - h)).max() for h in (1e-3, 1e-4, 1e-5)]
-        # A continuous function's jump falls with the distance; a step would stay.
-        np.testing.assert_allclose(np.array(jumps[:-1]) / jumps[1:], 10, rtol=0.1)
-
-
-@pytest.mark.parametrize("height", [-1.0, 0.0, 0.2, np.nan, -np.inf])
-def test_an_atom_inside_the_substrate_has_infinite_energy(height):
+@pytest.mark.parametrize(("component", "value"), [(2, -1.0), (2, 0.2), (2, np.nan), (0, np.inf), (0, 1e3)])
+def test_an_atom_inside_or_nowhere_has_infinite_energy(component, value):
     u = state_on(INTERFACE)
-    u[2, 3, 4] = -INTERFACE.gap(np.array([u[0], u[1], 0 * u[2]]))[3, 4] + height * LENGTH
-    assert evaluated(INTERFACE, u)[0] == np.inf
-
-
-@pytest.mark.parametrize("lost", [np.nan, np.inf, 1e3])
-def test_an_atom_with_no_lateral_position_has_infinite_energy(lost):
-    u = state_on(INTERFACE)
-    u[0, 1, 1] = lost
+    if component == 2:
+        value = -INTERFACE.gap(u * [[[1]], [[1]], [[0]]])[3, 4] + value * LENGTH
+    u[component, 3, 4] = value
     assert evaluated(INTERFACE, u)[0] == np.inf
 
 
@@ -204,7 +152,6 @@ WAVY = rough_coefficients(modes=4, rms=1e-10)
 
 
 def exact_height(y, x):
-    """The trigonometric polynomial itself at scattered points."""
     side = WAVY.shape[0]
     m_y, m_x = np.fft.fftfreq(side, 1 / side)[:, None], np.arange(WAVY.shape[1])[None, :]
     phase = 2 * np.pi * (np.multiply.outer(y, m_y) / SIZE[0] + np.multiply.outer(x, m_x) / SIZE[1])
@@ -231,32 +178,12 @@ def test_samples_are_refined_until_the_height_is_as_exact_as_asked():
     assert errors[0] < 0.01 * errors[1]
 
 
-@settings(max_examples=50)
-@given(st.floats(-1, 1), st.floats(-1, 1), st.integers(-3, 3), st.integers(-3, 3))
-def test_height_is_periodic(y, x, rows, columns):
-    substrate = Substrate(sample(WAVY, (20, 30)), (SIZE[0] / 20, SIZE[1] / 30))
-    y, x = np.array([y * SIZE[0]]), np.array([x * SIZE[1]])
-    moved = substrate.height_and_cosine(y + rows * SIZE[0], x + columns * SIZE[1])[0]
-    # Slopes are of order one, and a position of several periods is rounded to 1e-24 m.
-    np.testing.assert_allclose(moved, substrate.height_and_cosine(y, x)[0], atol=1e-23)
-
-
-def test_skip_map_is_the_maximum_over_the_periodic_neighbourhood():
-    heights = np.random.default_rng(5).standard_normal((7, 5))
-    reach = (2, 4)  # wider than half of the second axis
-    found = Substrate(heights, (1.0, 1.0)).highest_within(reach)
-    for j, i in np.ndindex(7, 5):
-        rows, columns = np.arange(j - 2, j + 3) % 7, np.arange(i - 4, i + 5) % 5
-        assert found[j, i] == heights[np.ix_(rows, columns)].max()
-
-
 MANY = (30, 40)
 SCALE = CONTACT_MODULUS * AREA
 ROUGH = interface_of(MANY, rough_coefficients(modes=2, rms=2e-10))
 
 
 def first_evaluated(distances):
-    """Atoms at given heights above the surface (r0), a little off their rest positions, evaluated once."""
     start = np.zeros((3, *MANY))
     start[:2] = np.random.default_rng(0).uniform(-1e-10, 1e-10, (2, *MANY))
     start[2] = -ROUGH.gap(start) + distances * LENGTH
@@ -271,7 +198,7 @@ def first_evaluated(distances):
 
 @pytest.mark.parametrize(
     ("error", "size"),
-    [(1e-6, 0.09), (1e-4, 0.003), (1e-4, 0.03), (1e-4, 0.3), (1e-2, 0.003), (1e-2, 0.03), (1e-2, 0.3)],
+    [(1e-6, 0.09), (1e-4, 0.003), (1e-4, 0.3), (1e-2, 0.03)],
 )
 def test_expanded_forces_are_within_the_error_allowed(error, size):
     start, cached, force = first_evaluated(np.random.default_rng(2).uniform(0.9, 4.2, MANY))
@@ -321,7 +248,7 @@ def flat(cutoff):
     return flat_adhesion((SITE, SITE), AREA, WELL_DEPTH, LENGTH, cutoff)
 
 
-@pytest.mark.parametrize(("cutoff", "adhesion"), [(4, 0.68646), (5, 0.68972), (6, 0.69089), (8, 0.69164)])
+@pytest.mark.parametrize(("cutoff", "adhesion"), [(4, 0.68646), (8, 0.69164)])
 def test_adhesion_of_flat_layers_is_that_of_the_prototype(cutoff, adhesion):
     found = flat(cutoff)
     # An independent prototype, to the digits that it printed.
@@ -329,11 +256,3 @@ def test_adhesion_of_flat_layers_is_that_of_the_prototype(cutoff, adhesion):
     assert found["equilibrium_distance"] == pytest.approx(3.280e-10, abs=1e-14)
     assert found["peak_distance"] == pytest.approx(3.741e-10, abs=1e-13)
     assert found["peak_tensile_stress"] == pytest.approx(3.980e9, rel=1e-3)
-
-
-def test_long_cutoffs_approach_the_smeared_layers():
-    # Smearing both layers is exact but for the corrugation; the cut-off tail falls as r_c⁻⁴.
-    smeared = 6 * np.pi / 5 * WELL_DEPTH * LENGTH**2 / (LATTICE_CONSTANT * SITE) ** 2
-    missing = [smeared - flat(cutoff)["work_of_adhesion"] for cutoff in (4, 8, 16)]
-    rates = np.log2(np.array(missing[:-1]) / missing[1:])
-    assert np.all((rates > 3.7) & (rates < 4.3))

@@ -7,7 +7,7 @@ from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.multigrid import HALVINGS, SHORT_WAVES, HalvedInverse
 from md_reference.statics.atomwise import split
-from md_reference.statics.linear import FourierPreconditioner, LinearSolver, preconditioner_of
+from md_reference.statics.linear import LinearSolver, preconditioner_of
 from tests.md_reference.systems import apply, matrices_of, stiffness_of, times_matrices
 
 SHAPE = (9, 12)
@@ -15,7 +15,6 @@ LARGE = (128, 64)
 
 
 def random_diagonal(scale, seed=0):
-    """Positive definite 3×3 matrices of widely different size."""
     rng = np.random.default_rng(seed)
     factor = rng.standard_normal((*SHAPE, 3, 3)) * 10 ** rng.uniform(-1, 0.5, SHAPE)[..., None, None]
     d = scale * factor @ np.swapaxes(factor, -1, -2)
@@ -23,7 +22,6 @@ def random_diagonal(scale, seed=0):
 
 
 def system(shift=1.0, fixed_mean=False, diagonal=0.0, shape=SHAPE):
-    """Block and solver, shift in units of the largest stiffness if below one, and its matrix times a vector."""
     stiffness = stiffness_of(shape)
     largest = np.abs(stiffness.coefficients).max()
     solver = LinearSolver(stiffness, shift * (largest if shift < 1 else 1), fixed_mean)
@@ -65,21 +63,7 @@ def test_negative_curvature_ends_the_iteration():
     assert not solver.solve(gradient, 1e-3, 100).indefinite
 
 
-def test_what_the_direction_loses_with_its_mean():
-    solver, _ = system(1.0, True, random_diagonal(1.0))
-    solver.direction[...] = np.random.default_rng(6).standard_normal((3, *SHAPE)) + 0.5
-
-    def product():
-        return np.sum(solver.direction * times_matrices(solver.diagonal.astype(float), solver.direction))
-
-    before = product()
-    lost = solver._remove_mean()
-    assert abs(np.mean(solver.direction[2])) < 1e-6
-    assert before - product() == pytest.approx(lost, rel=1e-4)
-
-
 def parts_of(diagonal, known=None, parts=None):
-    """Core and tail of matrices, with c = 0.5 and half of S_max = 3; of another call what is the same."""
     shape = diagonal.shape[1:]
     known = np.full(diagonal.shape, np.nan) if known is None else known
     parts = (np.zeros((3, *shape)), np.empty(shape), np.empty(shape)) if parts is None else parts
@@ -129,7 +113,6 @@ def test_matrices_that_are_the_same_keep_their_core():
 
 
 def tilted(stiffness, shape, rng, largest_tilt):
-    """Matrices of one stiff direction each, tilted at random."""
     tilt = rng.uniform(-largest_tilt, largest_tilt, (2, *shape))
     x, y, z = np.array([tilt[0], tilt[1], np.ones(shape)]) / np.sqrt(1 + np.sum(tilt**2, axis=0))
     return stiffness * np.array([x * x, y * y, z * z, x * y, x * z, y * z])
@@ -149,17 +132,15 @@ def test_a_stiff_core_costs_few_iterations():
     assert found.iterations < 12
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_halved_preconditioner_needs_as_many_iterations(seed, monkeypatch):
-    """Cores and softening tails in patches of a few atoms, tilted, as the edges of an adhesive contact have them."""
-    patches = np.repeat(np.repeat(np.random.default_rng(seed).random((16, 8)), 8, axis=0), 8, axis=1)
+def test_a_halved_preconditioner_needs_as_many_iterations(monkeypatch):
+    patches = np.repeat(np.repeat(np.random.default_rng(1).random((16, 8)), 8, axis=0), 8, axis=1)
     gradient = np.zeros((3, *LARGE))
     gradient[2] = 1.0  # a change of the load
     found = []
     for halvings in (0, 2):
 
         def edges(largest):
-            rng = np.random.default_rng(10 + seed)
+            rng = np.random.default_rng(11)
             return tilted(np.where(patches < 0.3, 3.0, -0.001) * largest, LARGE, rng, 0.3)
 
         monkeypatch.setattr("md_reference.statics.linear.HALVINGS", halvings)
@@ -175,7 +156,6 @@ def test_a_halved_preconditioner_needs_as_many_iterations(seed, monkeypatch):
 
 
 def preconditioners(shape=LARGE):
-    """By transforms alone, and as the solver has it."""
     coefficients = stiffness_of(shape).coefficients.astype(np.float32)
     coefficients[2, 0, 0] = 0
     shift = 0.02 * float(coefficients.max())
@@ -191,9 +171,8 @@ def applied(preconditioner, field):
     return total, preconditioner.field.astype(float)
 
 
-@pytest.mark.parametrize("shape", [LARGE, (132, 68), (130, 66), (128, 70)])
+@pytest.mark.parametrize("shape", [LARGE, (132, 68), (130, 66)])
 def test_the_halved_preconditioner_is_symmetric_and_knows_its_energy(shape):
-    """Also where a coarse layer has Nyquist waves along one axis, along both, or along none."""
     one, other = np.random.default_rng(0).standard_normal((2, 3, *shape))
     for found in preconditioners(shape):
         (energy, of_one), (_, of_other) = applied(found, one), applied(found, other)
@@ -207,7 +186,6 @@ def test_the_halved_preconditioner_is_symmetric_and_knows_its_energy(shape):
 
 @pytest.mark.parametrize("mode", [(1, 1), (-1, 1), (2, 0)])
 def test_long_waves_meet_the_block_itself(mode):
-    """Oblique ones of either sign: what couples the components is odd in the wavevector."""
     y, x = Grid(LARGE, (2 * np.pi, 2 * np.pi)).coordinates
     phase = mode[0] * y[:, None] + mode[1] * x[None, :]
     wave = np.array([np.cos(phase), 0.5 * np.sin(phase), np.cos(phase + 0.4)])
@@ -217,15 +195,3 @@ def test_long_waves_meet_the_block_itself(mode):
     for_short_waves = SHORT_WAVES / coefficients[:3].max(axis=(1, 2))
     # Bilinear interpolation and its transpose between 16 points a wave: (1 − (2π/16)²/12)² = 0.974.
     np.testing.assert_allclose(found, exact + for_short_waves[:, None, None] * wave, atol=0.03 * np.abs(exact).max())
-
-
-@pytest.mark.parametrize(("shape", "pairs"), [(LARGE, 1 / 4), ((128, 128), 1 / 16)])
-def test_transforms_of_the_coarser_layers_are_counted(shape, pairs):
-    solver, _ = system(0.02, shape=shape)
-    solver._preconditioner.apply_and_sum()
-    assert solver.pairs == pairs  # no coarser than 32 atoms an axis
-
-
-@pytest.mark.parametrize("shape", [(64, 65), (62, 64), (32, 128)])
-def test_layers_that_cannot_be_halved_keep_their_transforms(shape):
-    assert isinstance(preconditioners(shape)[1], FourierPreconditioner)

@@ -12,12 +12,12 @@ from contact_study.numerics import fourier
 from contact_study.study.case import realise
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.schema.sections import AtomisticSection
-from contact_study.study.study import Study, make_study
+from contact_study.study.study import Study
 from md_reference.statics.contact import at_mean_gap, separated
 from md_reference.study.model import METHODS, MODEL, check, constants, review, solve_path
 from md_reference.study.system import build_contact, build_interface, build_stiffness
-from tests.md_reference.systems import ANGSTROM, CONTACT_MODULUS, LENGTH, case_of, changed, stiffness_of
-from tests.recording import bins_of_case, recorded_path
+from tests.md_reference.systems import ANGSTROM, CONTACT_MODULUS, LENGTH, case_of
+from tests.recording import recorded_path
 
 PATH = ("0.5 GPa", "2 GPa", "8 GPa")
 
@@ -49,11 +49,6 @@ def test_steps_carry_the_quantities_of_the_schema():
         assert 0 < values["relative_repulsive_area"] < values["relative_contact_area"] <= 1
         assert values["elastic_energy"] > 0 > values["interaction_energy"]
         assert gap.shape == case.lattice.atoms
-        edges = bins_of_case(case)
-        inside = np.sum(values["gap_pdf"] * np.diff(edges.gap_edges))
-        assert inside == pytest.approx(np.mean((gap >= edges.gap_edges[0]) & (gap <= edges.gap_edges[-1])), rel=1e-12)
-        mean = np.sum(values["pressure_pdf"] * edges.pressure * np.diff(edges.pressure_edges))
-        assert mean == pytest.approx(pressure, abs=np.diff(edges.pressure_edges).max())
 
 
 def test_the_study_file_offers_the_methods_that_exist():
@@ -105,17 +100,6 @@ def test_predictor_on_another_grid_leads_to_the_same_state():
     assert led[0].values["force_evaluations"] < own[0].values["force_evaluations"]
 
 
-def test_units_change_nothing():
-    plain = values_of(ratio=8, path=(1e9, 3e9))
-    # Lengths ×8, energies ×64: stresses × 64/512. Powers of two keep every rounding.
-    scaled = values_of(ratio=8, path=(1e9 / 8, 3e9 / 8), scale=8.0, energy_scale=64.0)
-    for a, b in zip(plain, scaled, strict=True):
-        assert b["force_evaluations"] == a["force_evaluations"]
-        assert b["mean_gap"] / 8 == pytest.approx(a["mean_gap"], rel=1e-7)
-        assert b["relative_contact_area"] == a["relative_contact_area"]
-        assert b["elastic_energy"] == pytest.approx(a["elastic_energy"], rel=1e-7)
-
-
 def test_gap_control_and_loss_of_contact_under_tension():
     path = ("8 angstrom", "2 angstrom", "0.5 angstrom", "3 angstrom", "30 angstrom")
     steps = values_of(ratio=8, path=path, control="gap")
@@ -130,11 +114,8 @@ def test_gap_control_and_loss_of_contact_under_tension():
     assert torn[1]["relative_contact_area"] == torn[1]["mean_pressure"] == 0
 
 
-@pytest.mark.parametrize(
-    "pressures", [("-5 MPa", "1 GPa"), ("0 MPa", "1 GPa"), ("1 GPa", "-14 GPa", "-5 MPa", "1 GPa")]
-)
+@pytest.mark.parametrize("pressures", [("0 MPa", "1 GPa"), ("1 GPa", "-14 GPa", "-5 MPa", "1 GPa")])
 def test_tension_brings_no_separated_surfaces_together(pressures):
-    """Nor does no pressure at all: attraction begins only where something has brought the atoms within its reach."""
     case = case_of((32, 32), ratio=4, path=pressures)
     touching = steps_of(case_of((32, 32), ratio=4, path=("1 GPa",)))[0]
     for predictor in (None, lambda number: touching.fields["gap"]):
@@ -142,21 +123,6 @@ def test_tension_brings_no_separated_surfaces_together(pressures):
         assert [values["detached"] for values in steps] == [pressure <= 0 for pressure, _ in case.path]
         assert all(values["message"].startswith("detached") for values in steps if values["detached"])
         assert steps[-1]["relative_contact_area"] == touching.values["relative_contact_area"] > 0
-
-
-def test_a_first_gap_from_separation_is_on_the_separated_branch():
-    """Mean gaps at which a rough contact has two states: the far one is met from separation, at once or on a path."""
-    gaps = [f"{gap:.2f} angstrom" for gap in np.arange(7, 5, -0.2)]
-    approached = steps_of(case_of((32, 32), ratio=8, path=gaps, control="gap"))
-    jump = int(np.argmax([step.values["relative_contact_area"] > 0 for step in approached]))
-    assert jump > 0
-    far, near = approached[jump - 1], approached[jump]
-    case = case_of((32, 32), ratio=8, path=gaps[jump - 1 : jump], control="gap")
-    retracted, alone = steps_of(case, restart=near.restart)[0], steps_of(case)[0]
-    assert retracted.values["relative_contact_area"] > 0
-    assert alone.values["relative_contact_area"] == far.values["relative_contact_area"] == 0
-    # Residuals of 1e-8 E* over the softest mode's stiffness.
-    np.testing.assert_allclose(alone.fields["gap"], far.fields["gap"], rtol=0, atol=1e-5 * LENGTH)
 
 
 def test_moving_to_a_mean_gap_lifts_atoms_off_the_surface():
@@ -172,24 +138,12 @@ def test_moving_to_a_mean_gap_lifts_atoms_off_the_surface():
 
 
 def test_starts_on_steep_flanks_have_no_atom_inside():
-    """The site beside an atom stands higher than the surface below it by more than the atom stands above that."""
     steep = {"rms_height": "6 angstrom", "roll_off_mode": 3, "cutoff_mode": 6}
     case = case_of((32, 32), surface=steep, interaction={"length": "1 angstrom", "contact_distance": "1.2 angstrom"})
     contact = build_contact(case, realise(case))
     interface = contact.interface
     for start in (at_mean_gap(interface, separated(interface), 1e-10), contact.predicted(np.zeros((32, 32)))):
         assert np.isfinite(interface.evaluate(start, np.empty_like(start)))
-
-
-def test_predicted_start_stands_above_the_surface():
-    case = case_of((32, 32))
-    contact = build_contact(case, realise(case))
-    gap = np.full((8, 12), 3e-10)
-    gap[4, 5] = 0.0
-    start = contact.predicted(gap)
-    assert not start[:2].any()
-    assert contact.interface.gap(start).min() == pytest.approx(0.5 * LENGTH)
-    assert contact.interface.gap(start).max() > 3e-10 - 1e-20
 
 
 def test_constants_are_measured():
@@ -202,39 +156,17 @@ def test_constants_are_measured():
     assert np.isfinite(found["contact_modulus_at"]).all()
     assert found["height"].shape == (40, 56)
     assert found["equilibrium_distance"] == pytest.approx(LENGTH, rel=1e-4)
-
-
-def test_layers_of_the_study_are_those_of_the_block():
-    """A thin block is stiffer to long waves: E*(q) of one layer is that of a clamped plane next to the surface."""
-    moduli = {}
-    for layers in (0, 4, 32):
-        moduli[layers] = build_stiffness(case_of((32, 32), atomistic={"layers": layers})).contact_modulus[0, 1]
-        assert moduli[layers] == pytest.approx(stiffness_of((32, 32), layers).contact_modulus[0, 1], rel=1e-12)
-    assert moduli[0] == moduli[32]
-    assert moduli[4] > 1.5 * moduli[32]
-
-
-def test_cutoff_of_the_study_is_that_of_the_pairs():
-    found = {}
-    for cutoff in (2.0, 4.0, 8.0):
-        case = case_of((32, 32), atomistic={"cutoff": cutoff})
-        surface = realise(case)
-        assert build_interface(case, surface).cutoff == cutoff
-        found[cutoff] = constants(case, surface)["work_of_adhesion"]
-    # Pairs beyond r_c hold (5/3)(r0/r_c)⁴ of Δγ if they are cut off sharply, 0.65 % at 4 r0 and 0.04 % at 8 r0, and
-    # somewhat more with the switch from 0.9 r_c on.
-    assert found[8.0] == pytest.approx(case_of((32, 32)).work_of_adhesion, rel=2e-3)
-    assert 0.0061 < 1 - found[4.0] / found[8.0] < 0.0061 / 0.9**4
-    assert 0.09 < 1 - found[2.0] / found[4.0] < 0.16
+    short = case_of((40, 56), ratio=4, atomistic={"cutoff": 2.0})
+    # Pairs beyond r_c hold (5/3)(r0/r_c)⁴ of Δγ if they are cut off sharply, and somewhat more with the switch.
+    assert 0.09 < 1 - constants(short, realise(short))["work_of_adhesion"] / found["work_of_adhesion"] < 0.16
 
 
 def layered(cells, **sections):
     return case_of(elasticity={"kind": "layer", "thickness": 2.6 * ANGSTROM * cells}, **sections)
 
 
-@pytest.mark.parametrize("cells", [6, 12, 40])
+@pytest.mark.parametrize("cells", [6, 40])
 def test_layers_of_atoms_have_the_stiffness_of_the_closed_form(cells):
-    """From the equations of elasticity there, cell by cell here: they differ by the lattice, (qa)² and (a/d)²."""
     case = layered(cells, atoms=(96, 96))
     stiffness = build_stiffness(case)
     wavenumber = stiffness.grid.wavenumber[0, 1:4]
@@ -244,7 +176,6 @@ def test_layers_of_atoms_have_the_stiffness_of_the_closed_form(cells):
 
 
 def test_the_load_works_on_the_base_of_a_layer():
-    """Trapezoidal rule over two near pressures, as on a block as thick as wide."""
     case = layered(4, atoms=(32, 32), path=(2e9, 2.02e9))
     one, two = (step.values for step in steps_of(case))
     energy = [values["elastic_energy"] + values["interaction_energy"] for values in (one, two)]
@@ -278,21 +209,6 @@ def test_blocks_that_cannot_be_are_refused(case, words):
 
 def short(length):
     return case_of((32, 32), control="gap", path=["1 nm"], interaction={"length": length})
-
-
-def test_the_extremes_that_are_taken_have_their_constants():
-    nearly = case_of((32, 32), material={"poissons_ratio": 0.49999})
-    modulus = build_stiffness(nearly).contact_modulus[0, 1]
-    assert modulus == pytest.approx(nearly.material.contact_modulus, rel=2e-3)  # of the longest wave, as for any ratio
-    case = short("0.6 angstrom")
-    assert constants(case, realise(case))["equilibrium_distance"] == pytest.approx(6e-11, rel=0.01)
-
-
-def test_hard_walls_have_no_atoms():
-    table = changed(atomistic={"method": "quasi_static", "temperature": 0})
-    check(make_study(table).cases[0])
-    with pytest.raises(InputError, match="Lennard-Jones"):
-        check(make_study({**table, "interaction": {"law": "hard_wall"}}).cases[0])
 
 
 @pytest.mark.parametrize(("ratio", "refused"), [(1.0, False), (1e-3, False), (1e-6, True)])

@@ -33,8 +33,6 @@ AT_ONCE = 1e9  # a loading rate at which the load is there from the first step o
 
 
 class Motion:
-    """A case on its way to its first point: by the product's steps, and by explicit ones of its force."""
-
     def __init__(self, case):
         self.case, self.load = case, case.path[0][0]
         surface = realise(case)
@@ -65,7 +63,6 @@ class Motion:
         return slope / self.area
 
     def explicit(self, residual, every=10):
-        """du/dt = −∂E/∂u over area by Euler's steps of a stable length, until the force is small; states on the way."""
         stiffest = self.block.coefficients[2].max() / self.area + 8 * self.case.law.equilibrium_stiffness
         u, states = self.start, [self.start]
         while True:
@@ -78,7 +75,6 @@ class Motion:
 
 
 def off_path(states, path):
-    """How far states leave a path, in r0."""
     return max(np.sqrt(np.min(np.max((path - state) ** 2, axis=(1, 2, 3)))) for state in states) / LENGTH
 
 
@@ -107,19 +103,6 @@ def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
     assert area[0] > area[1] + 0.1
 
 
-@pytest.mark.validation
-def test_flow_ends_where_explicit_flow_does_and_not_where_newton_s_steps_do():
-    """A surface on which Newton's steps from separation lose their way: 4 of 576 atoms are in contact or not."""
-    motion = Motion(rough(24, 8, 4e-10, 2e8))
-    apart = motion.contact.separated()
-    newton = motion.contact.step(apart, motion.load).state
-    flow = motion.implicit(0.1, 1e-3, apart)[-1].state
-    end = motion.explicit(residual=2e-3)[-1]
-    assert np.abs(newton - flow)[2].max() > 0.3 * LENGTH
-    assert np.abs(end - flow)[2].max() < 0.1 * LENGTH
-    assert np.abs(end - newton)[2].max() > 0.3 * LENGTH
-
-
 def test_energy_never_rises_and_rest_is_a_minimum(landing):
     found = landing.implicit(0.1, 1e-2)
     before = landing.start
@@ -132,16 +115,6 @@ def test_energy_never_rises_and_rest_is_a_minimum(landing):
     assert lost > 0.1 * abs(landing.energy(before, landing.load))
     assert np.abs(landing.slope(before)).max() < 1.5e-8 * CONTACT_MODULUS
     assert found[-1].found.residual == pytest.approx(np.abs(landing.slope(before)).max() / CONTACT_MODULUS, abs=1e-10)
-
-
-@pytest.mark.parametrize("ratio", [1, 8])
-def test_state_depends_on_neither_rate_nor_error(ratio):
-    motion = Motion(rough(20, ratio, 3e-10, 2e8, seed=3))
-    apart = motion.contact.separated()
-    states = [motion.implicit(error, rate, apart)[-1].state for rate, error in ((1e-2, 0.1), (5e-3, 0.1), (1e-2, 0.05))]
-    for state in states[1:]:
-        # Two states at rest to 1e-8 E*: the softest waves let the rest differ by some 1e-6 r0.
-        np.testing.assert_allclose(state, states[0], rtol=0, atol=1e-5 * LENGTH)
 
 
 FLOW = {
@@ -211,7 +184,6 @@ def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeyp
 
 
 def test_work_of_a_point_is_told_whether_the_run_was_stopped_before_it_or_not():
-    """The search for a way down from the state at rest belongs to its point."""
     case = make_study(changed(**{**FLOW, "loading": {"path": ["1 GPa", "0.5 GPa"]}})).cases[0]
     surface = realise(case)
     first, whole = (list(point.states)[-1] for point in solve_path(case, surface))

@@ -17,7 +17,6 @@ def law(distance):
 
 
 def limited(distance, step, cosine=1.0, after=None, force=None):
-    """Distance along the normal (r0) where an atom ends that a Newton step moves by ``step`` (r0) along it."""
     after = cosine if after is None else after
     distance, step = distance * LENGTH, np.broadcast_to(step, SHAPE) * LENGTH
     trial_gap = (distance + step) / after
@@ -40,7 +39,6 @@ def test_root_of_the_repulsion(force, guess):
 @pytest.mark.parametrize("cosine", [1.0, 0.8])
 @pytest.mark.parametrize("distance", [0.85, 0.99, 1.05, 1.5])
 def test_a_short_step_is_taken_as_it_is(distance, cosine):
-    """To first order: the error falls with the square of the step."""
     steps = [sign * h for h in (1e-3, 5e-4) for sign in (1, -1)]
     errors = [abs(limited(distance, step, cosine)[0] - distance - step) for step in steps]
     assert max(errors[2:]) <= max(0.3 * max(errors[:2]), 1e-12)
@@ -74,7 +72,6 @@ def test_long_steps_are_limited():
 
 
 def curved(hessian, gradient_z, gap, cosine=1.0, damping=0.0):
-    """The curvature of one atom at a gap (r0)."""
     gradient, diagonal = np.reshape([0, 0, gradient_z], (3, 1, 1)), np.empty((6, 1, 1), np.float32)
     given = np.reshape(hessian, (6, 1, 1)).astype(float), gradient.astype(float)
     at = np.full((1, 1), gap * LENGTH), np.full((1, 1), cosine)
