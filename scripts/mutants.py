@@ -54,7 +54,7 @@ TESTS = {
     "bem_adhesion/linear/conjugate_gradients.py": "test_adhesive.py ",
     "bem_adhesion/adhesive/multigrid.py": "test_loading.py ",
     "bem_adhesion/kernels/law.py": "test_kernels.py ",
-    "md_reference/statics/atomwise.py": "test_equilibrium.py ",
+    "md_reference/statics/atomwise.py": "test_linear.py ",
     "contact_study/physics/height_maps/preparation.py": "test_preparation.py ",
     "contact_study/physics/height_maps/height_map.py": "test_surface.py test_map_files.py",
     "contact_study/physics/height_maps/text.py": "test_map_files.py test_map_text.py",

@@ -19,7 +19,6 @@ WITHIN = 1e-10
 
 @pytest.fixture(scope="module")
 def own():
-    """The small case by the project."""
     interface, displacement = against_lammps.rough_interface(16)
     nodes = against_lammps.random_nodes((4, 6, 6))
     return {
@@ -45,7 +44,6 @@ def test_forces_are_those_of_lammps(own):
 
 
 def assert_at_rest(state):
-    """The block of turning springs comes to rest in a state of LAMMPS (m)."""
     here = states_against_lammps.System(*states_against_lammps.SMALL)
     residual = 1e-8
     own, _, left = states_against_lammps.relaxed(here, residual)
@@ -72,7 +70,6 @@ def test_state_at_rest_is_that_of_lammps(tmp_path):
 
 
 def test_small_case_has_atoms_in_every_range_of_the_pairs(own):
-    """Repulsion, attraction, the switch: a case that misses one is no witness of it."""
     interface, displacement = against_lammps.rough_interface(16)
     gap = interface.gap(displacement) / interface.length
     assert gap.min() < 0.9 < 1.5 < gap.max()

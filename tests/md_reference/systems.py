@@ -122,7 +122,6 @@ MOVING = {
     "surface": {"size": "41.6 angstrom", "shape": [16, 16]},
     "material": {"atom_mass": "197 u"},
     "atomistic": {"method": "dynamics", "temperature": 0.0},
-    # Damping slows the descent, too: the speed is what brings the block to the substrate within some 10 ps.
     "dynamics": {"duration": "80 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 20},
     "loading": {"path": ["1 GPa"]},
 }

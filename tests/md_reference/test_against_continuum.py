@@ -57,7 +57,6 @@ def test_increments_lead_from_continuum_to_atoms(study, capsys):
     # continuum's solver has the lattice's own stiffness by then.
     assert float(abs(found["mean_gap_increment"].sel(model="other_minimiser")).max()) < 1e-6 * ANGSTROM
     assert not found["relative_contact_area_increment"].sel(model="other_minimiser").any()
-    # The gap over a slope is wider than the distance of the layers, and sliding brings atoms closer again.
     assert (gap.sel(model="tilted_law") > gap.sel(model="lattice_stiffness")).all()
     assert (gap.sel(model="atoms") < gap.sel(model="pair_sums")).all()
     assert (found["measured_work_of_adhesion"] < found["work_of_adhesion"]).all()

@@ -71,7 +71,6 @@ def test_element_carries_no_force_in_rigid_motion_and_has_the_isotropic_moduli()
     shear = YOUNGS_MODULUS / (2 * (1 + POISSONS_RATIO))
     expected = LATTICE_CONSTANT**3 * (0.5 * first * np.trace(strain) ** 2 + shear * np.sum(strain**2))
     assert 0.5 * uniform @ ELEMENT @ uniform == pytest.approx(expected, rel=1e-12)
-    # Uniform compression and shear of a thick block.
     xx, yy, zz, *others = condense(ELEMENT, np.zeros(1), np.zeros(1), 7)[:, 0] * 7 / LATTICE_CONSTANT
     np.testing.assert_allclose([xx, yy, zz], [shear, shear, first + 2 * shear], rtol=1e-12)
     np.testing.assert_allclose(others, 0, atol=1e-12 * zz)
@@ -184,7 +183,6 @@ def test_uniform_strain_and_rigid_motion_are_exact_across_levels():
 
 def test_nodes_weigh_what_they_stand_for():
     block = block_of()
-    # All cells, and half a layer more: the atoms of the surface are whole ones.
     assert (block.mass.sum() / 3 + block.top_mass) / MASS == pytest.approx((14 + 0.5) * 16**2, rel=1e-12)
     assert block.total_mass / MASS == pytest.approx((14 + 0.5) * 16**2, rel=1e-12)
     assert np.all(block.bottom_of(block.mass) == MASS)

@@ -76,14 +76,12 @@ def test_series_tells_the_approach(tmp_path):
     assert root.time.item() == time[-1] == pytest.approx(whole * step, rel=1e-9, abs=0)
     np.testing.assert_allclose(np.diff(time, prepend=0) / step, np.diff(whole * np.arange(21) // 20), rtol=1e-9)
     assert (root.iterations.item(), root.force_evaluations.item()) == (whole, whole + 20)
-    # Out of reach the block falls freely: its mass takes up the pressure, the rest is its own vibration.
     height, density = series.mean_separation.values[0], case.material.atom_mass / case.lattice.constant**3
     mass = density * 16.25 * case.lattice.constant
     fallen = 20 * time + 0.5 * 1e9 / mass * time**2
     assert fallen[-1] > 0.5e-10
     assert height[0] - height[-1] == pytest.approx(fallen[-1] - fallen[0], rel=0.2)
     assert series.temperature.values[0, 0] > 0
-    # Newton's law alone, at a fifth of the largest step: what is gained in falling is the load's.
     energy, kinetic = series.mechanical_energy.values, series.kinetic_energy.values
     assert np.ptp(energy) < 1e-3 * np.ptp(kinetic)
     assert kinetic[0, 0] == pytest.approx(0.5 * mass * 20**2, rel=0.3)  # it is faster by then
@@ -107,9 +105,6 @@ def test_a_block_without_damping_has_the_means_of_its_motion():
     assert dataset.converged.item() == 1
     assert dataset.mean_pressure.item() == pytest.approx(1e9, rel=0.1)
     assert 0 < dataset["relative_contact_area" + STANDARD_ERROR].item() < 0.5
-    # A motion that has hardly begun carries no load on average, however far its pressures scatter.
-    _, message = not_converged(dynamics=swinging | {"duration": "20 ps"})
-    assert "on average, not the 1e+09 Pa applied" in message
 
 
 @SHORT
@@ -182,9 +177,7 @@ def test_driven_plane_goes_where_it_is_told_at_its_speed():
     assert times[1] == pytest.approx(40e-12, abs=0.5 * step)  # at rest, for the duration
     np.testing.assert_allclose(dataset.iterations[1:] * step, times, rtol=1e-9)
     assert dataset.detached.values.tolist() == [0, 0, 0, 1]
-    # What the interface carries has not compressed all of the block yet: 0.2 nm is passed while it snaps in.
     assert np.all(dataset.elastic_energy > 0)
-    # At rest the block is as much thinner than the gap tells as the pressure squeezes it.
     at, thickness = dataset.isel(step=2), 8 * LATTICE_CONSTANT
     squeezed = at.mean_pressure * thickness / longitudinal_modulus(case)
     assert at.residual < 1e-4
@@ -203,7 +196,6 @@ def test_a_driven_layer_is_where_what_holds_it_is():
     held, free = run(driven(["0.2 nm"], elasticity=layer)), run(driven(["0.2 nm"]))
     assert abs(held.mean_pressure.item()) > 1e9
     assert held.mean_separation.item() == pytest.approx(0.2e-9, rel=1e-6)
-    # All of the same motion but for its compression.
     assert free.mean_pressure.item() == pytest.approx(held.mean_pressure.item(), rel=1e-9)
     assert free.elastic_energy.item() < held.elastic_energy.item()
 
@@ -226,7 +218,6 @@ def test_a_torn_off_block_comes_down_again():
     assert dataset.detached.values.tolist() == [0, 1, 0]
     assert np.isinf(dataset.mean_gap[1])
     assert "was torn off" in str(dataset.message.values[1])
-    # The clock goes on; steps are those of the point.
     step = time_step(make_study(study).cases[0])
     np.testing.assert_allclose(np.diff(dataset.time, prepend=0.0), dataset.iterations * step, rtol=1e-9)
     assert dataset.relative_contact_area[2] > 0.5

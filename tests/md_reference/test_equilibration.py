@@ -35,7 +35,6 @@ def test_the_load_is_carried_within_the_error_of_the_mean():
     lacking, message = missing(1.06e9 + noise)
     assert lacking == pytest.approx(6e7)
     assert message.startswith("the interface carried 1.06e+09 ± 1e+07 Pa on average, not the 1e+09 Pa applied")
-    # A hundredth of the load is missing, and a drift has little noise.
     assert missing(0.995e9 + 1e-4 * noise)[1] == ""
     assert missing(0.985e9 + 1e-4 * noise)[1]
     # The block lands half-way: the series has an error that would account for the half of the load.
@@ -63,7 +62,6 @@ def test_what_is_said_of_a_block_on_its_way():
     ringing = descent([0.4e9, 0.5e9], speed=1.0, terminal_speed=15.0)
     assert still_moving(ringing, 0.0, CONTACT_MODULUS)[1].startswith("the atoms still move: ")
     assert still_moving(descent([1e9]), 1e-3 * CONTACT_MODULUS, CONTACT_MODULUS) == (1e-3, "")
-    # Nothing is out of balance, and the block moves.
     residual, message = still_moving(descent([1e9], impact=2e-3 * CONTACT_MODULUS), 0.0, CONTACT_MODULUS)
     assert residual == pytest.approx(2e-3)
     assert message.startswith("the atoms still move: ")
@@ -90,7 +88,6 @@ def said_of(carried=1e9, speed=0.0, terminal_speed=np.inf, **given):
         # The mean of many is near to one; of two states it is not.
         ({"whole": 600, "forgotten": 400.0}, "the block still moves up and down"),
         ({"whole": 600, "forgotten": 400.0, "states": 2}, ""),
-        # A fall has other remedies.
         ({"carried": 0.5e9, "whole": 1e6, "speed": 1.0, "terminal_speed": 1.5}, "the block still falls"),
         ({"carried": 0.5e9, "whole": 1e6}, "the block still moves up and down"),
         ({"carried": 0.5e9}, "the interface carried"),

@@ -79,7 +79,6 @@ def test_gap_control_holds_the_mean_height():
 
 
 def test_a_light_load_brings_a_large_block_down_from_separation():
-    # Out of reach a linear solve has but rounding to divide by: its step is as long as 1e8 r0.
     interface, solver = solver_of((128, 128), coefficients=rough_coefficients(modes=4, rms=4e-10))
     found = solver.solve(separated(interface), 2e8)
     assert found.outcome is Outcome.CONVERGED
@@ -93,7 +92,6 @@ def test_limits_and_impossible_starts_are_reported(monkeypatch):
     assert solver.solve(start, 1e9).outcome is Outcome.ITERATION_LIMIT
     with pytest.raises(ValueError, match="inside the substrate"):
         solver.solve(start - 20 * LENGTH, 1e9)
-    # Saddles without end.
     monkeypatch.setattr("md_reference.statics.energy.BlockEnergy.leave_saddle", lambda *_: True)
     interface, solver = solver_of((8, 8), max_iterations=30)
     found = solver.solve(touching(interface), 1e9)

@@ -68,7 +68,6 @@ def test_energy_is_the_sum_over_all_pairs_within_the_cutoff():
 
 
 def test_atoms_that_the_skip_map_passes_over_feel_nothing():
-    # Just within and just beyond reach of the highest site: never skipped where the exact force is not zero.
     u, highest = np.zeros((3, *ATOMS)), INTERFACE.substrate.heights.max()
     u[2] = highest + np.linspace(3.9, 4.05, ATOMS[0] * ATOMS[1]).reshape(ATOMS) * LENGTH
     energy, force = evaluated(INTERFACE, u)

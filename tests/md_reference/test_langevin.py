@@ -108,7 +108,6 @@ def test_friction_acts_in_the_middle_of_the_way(rate):
     np.testing.assert_allclose(block.bottom_of(motion.velocity)[2], -10.0 * kept, rtol=1e-9)
     energy = 0.5 * (block.mass.sum() / 3) * (10.0 * kept) ** 2
     assert system.temperature(motion) == pytest.approx(2 * energy / (constants.k * block.freedoms), rel=1e-9)
-    # As one body: all of the energy in one freedom.
     whole = energy + 0.5 * block.top_mass * (10.0 * kept) ** 2
     assert system.temperature_of_whole(motion) == pytest.approx(2 * whole / constants.k, rel=1e-9)
 
@@ -119,7 +118,6 @@ def test_driven_block_goes_with_its_plane():
     assert motion.top == pytest.approx(20.0 * motion.time, rel=1e-12)
     np.testing.assert_allclose(system.block.bottom_of(motion.displacement)[2], motion.top, rtol=1e-9)
     assert system.temperature(motion) < 1e-9
-    # Turned round, it follows within the time of the friction and of its waves.
     motion.top_velocity = -20.0
     run(system, motion, 6000, 1e9)
     np.testing.assert_allclose(system.block.bottom_of(motion.velocity)[2], -20.0, rtol=1e-6)

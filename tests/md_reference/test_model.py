@@ -87,7 +87,6 @@ def test_predictor_on_another_grid_leads_to_the_same_state():
 
     def predictor(number):
         asked.append(number)
-        # At the second point no such state: the path goes on from the point before.
         return None if number == 1 else fourier.interpolate(own[number].fields["gap"], (60, 54))
 
     said = r"no state in contact for point 2 of the path, 2e\+09 Pa \(loading\)"
@@ -240,7 +239,6 @@ def test_waves_that_the_sites_cannot_carry_are_said():
 
     (note,) = notes_on(fine(40))
     assert "left out" in note
-    # Of several such cases the first is described, with how many there are.
     (again,) = notes_on(case_of((32, 32)), fine(40), fine(50))
     assert again.partition(" m")[0] == note.partition(" m")[0]
     assert "points" in again

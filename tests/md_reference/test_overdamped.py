@@ -71,7 +71,7 @@ class Motion:
                 u = u - 0.5 / stiffest * slope
             states.append(u)
             if np.abs(slope).max() <= residual * CONTACT_MODULUS:
-                return np.array(states)
+                return np.array(states), every * 0.5 / stiffest
 
 
 def off_path(states, path):
@@ -88,7 +88,7 @@ def landing():
 
 
 def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
-    path = landing.explicit(residual=3e-3)
+    path, interval = landing.explicit(residual=3e-3)
     distances = []
     for step_error in (0.2, 0.05):
         found = landing.implicit(step_error)
@@ -96,6 +96,10 @@ def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
         # Lateral slides, the slowest of all, still go on where the explicit path ends.
         distances.append(off_path([each.state for each in found if each.found.residual > 5e-3], path))
         np.testing.assert_allclose(found[-1].state[2], path[-1][2], rtol=0, atol=0.05 * LENGTH)
+    moving = [each for each in found if each.found.residual > 5e-3]
+    times = [interval * np.argmin(np.max((path - each.state) ** 2, axis=(1, 2, 3))) for each in moving]
+    # Measured 2 % on the way and 9 % at its end.
+    np.testing.assert_allclose(times[5:], [each.time for each in moving[5:]], rtol=0.1)
     # Local errors of 0.05 r0 that the next steps damp.
     assert distances[1] < 0.05
     assert distances[1] < 0.75 * distances[0]
@@ -141,13 +145,11 @@ def test_loop_of_contact_pull_off_and_new_contact(loop):
     assert np.all(root.residual <= 1e-8)
     assert not [name for name in root if name.endswith("_standard_error")]
     np.testing.assert_allclose(root.gap.mean(("y", "x"))[[0, 1, 4]] - LENGTH, root.mean_gap[[0, 1, 4]], rtol=1e-9)
-    # What a step says is the last of its series, and all work on the way is counted.
     area = series.relative_contact_area.values
     lengths = np.sum(np.isfinite(area), axis=1)
     np.testing.assert_array_equal(lengths[[0, 1, 4]], root.iterations[[0, 1, 4]])
     for step in (0, 1, 4):
         assert area[step, lengths[step] - 1] == root.relative_contact_area[step]
-    # The load goes at most at the rate of the study, and time goes on from point to point.
     case = make_study(changed(**FLOW)).cases[0]
     pace = pace_of(case, realise(case).size)
     time, load = (series[name].values[np.isfinite(area)] for name in ("overdamped_time", "overdamped_load"))

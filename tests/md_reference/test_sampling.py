@@ -64,7 +64,6 @@ def test_every_mean_has_its_error_and_every_number_its_series(sampled):
                 assert memory.units == "1"
                 told = found.autocorrelation_time if found.resolved else np.nan
                 assert memory.values[step] == pytest.approx(told, rel=1e-12, abs=0, nan_ok=True)
-    # A field is the mean of the fields.
     np.testing.assert_allclose(root.pressure.mean(("y", "x")), root.mean_pressure, rtol=1e-12)
     np.testing.assert_allclose(root.gap.mean(("y", "x")) - LENGTH, root.mean_gap, rtol=1e-10)
     # What is left of the balance of forces is an error of sampling.
@@ -79,7 +78,6 @@ def test_warm_atoms_differ_from_cold_ones_and_start_from_them(sampled):
     warm = groups_of(sampled)
     cold = contact_study.run(changed(atomistic={"method": "quasi_static", "temperature": 0}), "atomistic")
     assert not [name for name in cold if name.endswith(STANDARD_ERROR)]
-    # Thermal motion opens the contact by more than the errors, and less than half.
     loss = (cold.relative_contact_area - warm["/"].relative_contact_area) / cold.relative_contact_area
     assert np.all((loss > 0.01) & (loss < 0.5))
     again = contact_study.run(changed(atomistic={"temperature": 1e-3}), "atomistic")
