@@ -80,8 +80,8 @@ class Solution:
         Free boundaries: position of the undeformed surface, in the coordinate of the heights (m).
     plastic_indentation : numpy.ndarray, shape (y, x), or None
         Permanent indentation at the hardness, >= 0 (m): of this step, or of all steps of a
-        :class:`~bem_adhesion.contacts.plastic.PlasticContact`; the surfaces are at heights − indentation + gap. None
-        without yielding.
+        :class:`~bem_adhesion.contacts.rough_contact.PlasticContact`; the surfaces are at heights − indentation + gap.
+        None without yielding.
     law : TractionLaw
         The law of the interface, which defines contact.
 

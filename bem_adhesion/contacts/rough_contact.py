@@ -1,24 +1,24 @@
-"""The contact of a rough surface: one function that chooses the solver, and the protocol of what it returns."""
+"""The contact of a rough surface: one function that chooses the solver, and what wraps one: free edges, yielding."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from bem_adhesion.contacts.free_boundary import FreeBoundaryContact
-from bem_adhesion.contacts.plastic import PlasticContact
 from bem_adhesion.hard_wall.contact import HardWallContact
+from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
 from bem_adhesion.operators.trace import Trace
 from bem_adhesion.process_zone import process_zone, resolved_length, resolves, resolving_shape, too_coarse
-from bem_adhesion.solution import Solution
+from bem_adhesion.solution import Solution, require_solution
 from contact_study.inputs.units import length
-from contact_study.numerics.arguments import field, grid_of, positive
+from contact_study.numerics.arguments import field, grid_of, positive, step_arguments
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import TractionLaw
-from contact_study.physics.solids import Elasticity, Viscoelastic, elasticity_of
+from contact_study.physics.solids import Elasticity, HalfSpace, Viscoelastic, elasticity_of
 
 
 class Contact(Protocol):
@@ -221,3 +221,138 @@ def contact_between(
         make = HardWallContact if bare_wall else partial(AdhesiveContact, law=law)
     make = partial(make, grid=grid, elasticity=elasticity, **options)
     return make(heights) if hardness is None else PlasticContact(heights, make)
+
+
+class FreeBoundaryContact:
+    """One rough surface of finite extent against a half-space, for any number of loads.
+
+    Parameters as for :func:`rough_contact`; the points of the grid are the centres of cells. Control is that of the
+    pressure, a force over the area of the grid (Pa), or of the approach.
+    """
+
+    def __init__(
+        self,
+        height: np.ndarray,
+        grid: Grid,
+        elasticity: Elasticity | float,
+        law: TractionLaw,
+        control: str = "pressure",
+        **options: Any,
+    ):
+        solid = elasticity_of(elasticity)
+        if type(solid) is not HalfSpace:
+            raise ValueError(f"elasticity = {solid!r}: free boundaries are those of a half-space")
+        if control not in ("pressure", "approach"):
+            raise ValueError(f"control = {control!r}: with free boundaries 'pressure' or 'approach'")
+        self.height = height
+        self.law = law
+        self.control = control
+        self._window = Window(grid.shape)
+        self._grid = padded_grid(grid)
+        free = FreeHalfSpace(solid.contact_modulus)
+        self._mean_stiffness = free.mean_stiffness_on(self._grid)
+        self._share = grid.points / self._grid.points
+        self._padded: HardWallContact | AdhesiveContact
+        if law.has_wall and not law.attracts:
+            heights = self._window.padded(height, self._grid, -np.inf)
+            self._padded = HardWallContact(heights, self._grid, free, control, **options)
+        else:
+            heights = self._window.padded(height, self._grid, float(height.min()))
+            self._padded = AdhesiveContact(heights, self._grid, free, law, control, window=self._window, **options)
+
+    def separated(self) -> np.ndarray:
+        """Return the state of separated surfaces, on the padded grid."""
+        return self._padded.separated()
+
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
+        """Find the state under a new load, see :meth:`Contact.step`.
+
+        Fields of the solution are on the grid of the surface, its state on the padded grid, shape (2 ny, 2 nx).
+        """
+        state, target = step_arguments(self.control, target, state, self._grid.shape)
+        return self._cropped(self._padded.step(state, target * self._share if self.control == "pressure" else target))
+
+    def stiffness(self, solution: Solution) -> float:
+        """Return −dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
+        require_solution(solution)
+        inner = self._padded.stiffness(solution)
+        if inner == 0:
+            return 0.0
+        # In series: the mean of the padded surface, and the undeformed surface beyond it.
+        return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness))
+
+    def _cropped(self, found: Solution) -> Solution:
+        inside = self._window.inside
+        gap, pressure, displacement = (
+            np.ascontiguousarray(inside(field)) for field in (found.gap, found.pressure, found.displacement)
+        )
+        yielded = found.plastic_indentation
+        mean_pressure = float(pressure.mean())
+        plane = float(found.displacement.mean()) - mean_pressure * self._share / self._mean_stiffness
+        # Half the work of the pressures, at each point from the undeformed surface to the displacement.
+        elastic = 0.5 * float(np.mean(pressure * (displacement - plane)))
+        return replace(
+            found,
+            displacement=displacement,
+            gap=gap,
+            pressure=pressure,
+            plastic_indentation=None if yielded is None else np.ascontiguousarray(inside(yielded)),
+            elastic_energy=elastic,
+            interaction_energy=found.interaction_energy / self._share,
+            plane=plane,
+        )
+
+
+class PlasticContact:
+    """One rough surface against an elastic solid with a hardness H, for loading and unloading.
+
+    Points under H keep their indentation w; the rigid surface of the next step is h − w, unloading is elastic (B. N. J.
+    Persson, J. Chem. Phys. 115, 3840 (2001)), and the work done on the plastic layer is H <w>. ``make_wall`` makes the
+    hard wall of given heights (m), with the hardness as its bound and the given ``unit``.
+    """
+
+    def __init__(self, height: np.ndarray, make_wall: Callable[..., HardWallContact | FreeBoundaryContact]):
+        self.height = height
+        self._make_wall = make_wall
+        self._unit = float(height.std()) or None
+        wall = make_wall(height)
+        self._control = wall.control
+        self._untouched = wall.separated()
+
+    def separated(self) -> np.ndarray:
+        """Return the state without contact and without indentation, shape (2, …)."""
+        return np.broadcast_to(0.0, (2, *self._untouched.shape))
+
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
+        """Find the contact at a load, see :meth:`Contact.step`.
+
+        The state, shape (2, …), is the pressure (Pa), which only changes the work, and the indentation so far (m). An
+        approach counts from first touch of the surface before it yielded. ``plastic_indentation`` of the solution is
+        that of all steps so far. An indentation below zero raises ValueError.
+        """
+        state, target = step_arguments(self._control, target, state, (2, *self._untouched.shape))
+        before = self._indentation(state)
+        if before.min() < 0:
+            raise ValueError("the state to start from has an indentation < 0")
+        wall = self._wall(before)
+        if wall.control == "approach":
+            target -= float(self.height.max() - (self.height - before).max())
+        found = wall.step(state[0], target)
+        indentation = before if found.plastic_indentation is None else before + found.plastic_indentation
+        kept = np.zeros(self._untouched.shape)
+        kept[tuple(map(slice, self.height.shape))] = indentation
+        return replace(found, state=np.stack([found.state, kept]), plastic_indentation=indentation)
+
+    def stiffness(self, solution: Solution) -> float:
+        """Return −dp/dū of a state on unloading (Pa/m), during which no point yields."""
+        require_solution(solution)
+        wall = self._wall(self._indentation(solution.state))
+        return wall.stiffness(replace(solution, state=solution.state[0]))
+
+    def _wall(self, indentation: np.ndarray) -> HardWallContact | FreeBoundaryContact:
+        # The rms height of a surface that is flattened everywhere would be no unit of errors.
+        return self._make_wall(self.height - indentation, unit=self._unit)
+
+    def _indentation(self, state: np.ndarray) -> np.ndarray:
+        """Return the indentation in a state, without the padding of free boundaries."""
+        return state[1][tuple(map(slice, self.height.shape))]

@@ -43,7 +43,7 @@ class HardWallContact:
     Parameters as for :func:`rough_contact`; heights of minus infinity are points without a surface. ``tolerance`` is
     the largest gap inside the contact and penetration outside over the rms height, or over ``unit`` (m), for a nearly
     flat punch over a thousandth of its displacement; under control of the gap or the approach also its error.
-    ``hardness`` is the largest pressure (Pa); :class:`~bem_adhesion.contacts.plastic.PlasticContact` keeps what yields.
+    ``hardness`` is the largest pressure (Pa); a ``PlasticContact`` keeps what yields.
     """
 
     def __init__(

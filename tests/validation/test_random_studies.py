@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bem_adhesion.contacts.plastic import PlasticContact
+from bem_adhesion.contacts.rough_contact import PlasticContact
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.study import quasi_static as equilibrium_path
 from contact_study.physics.laws import LAWS
