@@ -5,6 +5,7 @@ import shutil
 import pytest
 import tomli_w
 
+from contact_study.campaign.model import MODELS
 from contact_study.campaign.store.case_file import CaseWriter
 from tests.campaign.toy_model import SOLVED, TOY
 from tests.campaign.toy_study import BASE, STUDY
@@ -65,3 +66,8 @@ def stopped(run, monkeypatch):
             assert run(table, *arguments, **options)[0] == 130
 
     return stop
+
+
+@pytest.fixture
+def toy_is_the_continuum(monkeypatch):
+    monkeypatch.setitem(MODELS, "continuum", TOY)

@@ -1,7 +1,6 @@
 """The file of a case: what is kept, for how long, and who may write."""
 
 import os
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +48,6 @@ def test_what_is_saved_is_read_again(tmp_path):
 
 
 def test_states_that_serve_nobody_do_not_pile_up(tmp_path, monkeypatch):
-    """Each is a tenth of a MB, the steps are small: the file has never more than three states or so."""
     monkeypatch.setattr(case_file, "_LEAST_GAIN", 1000)
     path, largest = tmp_path / "a.case", 0
     with CaseWriter(path, 50, last_state=False) as file:
@@ -89,7 +87,6 @@ def test_a_state_that_is_lost_costs_steps_back_to_the_last_one(tmp_path):
 
 
 def test_who_takes_up_a_case_has_it_to_himself(tmp_path):
-    """A worker that was given up writes on: nothing of it reaches the file of the one that has taken its place."""
     path = tmp_path / "a.case"
     with CaseWriter(path, 3, last_state=True) as first:
         first.save_step(0, step(0))
@@ -100,17 +97,6 @@ def test_who_takes_up_a_case_has_it_to_himself(tmp_path):
             second.save_step(1, step(1))
     assert CaseFile(path).step(1)[0]["iterations"] == 1
     assert not CaseFile(path).damaged
-
-
-def test_a_folder_that_is_deleted_is_noticed_at_once(tmp_path):
-    folder = tmp_path / "bem.nc.parts"
-    folder.mkdir()
-    with CaseWriter(folder / "a.case", 3, last_state=True) as file:
-        file.save_step(0, step(0))
-        shutil.rmtree(folder)
-        with pytest.raises(CampaignError, match=r"a\.case: was deleted"):
-            file.save_step(1, step(1))
-    assert not folder.exists(), "and is not made again"
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a disk that is always full")

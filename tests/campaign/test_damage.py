@@ -9,18 +9,15 @@ import sys
 import pytest
 import xarray as xr
 
-from contact_study.campaign.model import MODELS
 from contact_study.start import contact_compare as compare
 from contact_study.start import contact_merge as merge
-from tests.campaign.toy_model import TOY, TOY_ATOMS
+from tests.campaign.toy_model import TOY_ATOMS
 from tests.campaign.toy_study import BASE, changed
 
 FEWER = changed(sweep={"interaction.well_depth_ratio": [2]})
 
 
-@pytest.fixture(autouse=True)
-def toy_is_the_continuum(monkeypatch):
-    monkeypatch.setitem(MODELS, "continuum", TOY)
+pytestmark = pytest.mark.usefixtures("toy_is_the_continuum")
 
 
 @pytest.fixture
@@ -43,8 +40,16 @@ def ways(finished, run, tmp_path, capsys):
     }
 
 
-@pytest.mark.parametrize("way", ["resume", "predictor", "merge", "compare", "wider"])
-@pytest.mark.parametrize("error", [RuntimeError("NetCDF: HDF error"), AttributeError("x"), SystemError("<built-in>")])
+@pytest.mark.parametrize(
+    ("way", "error"),
+    [
+        ("resume", RuntimeError("NetCDF: HDF error")),
+        ("predictor", AttributeError("x")),
+        ("merge", SystemError("<built-in>")),
+        ("compare", RuntimeError("NetCDF: HDF error")),
+        ("wider", AttributeError("x")),
+    ],
+)
 def test_whatever_a_library_raises_is_one_line(ways, monkeypatch, tmp_path, way, error):
     def fail(*_, **__):
         raise error
@@ -95,7 +100,6 @@ def pipe(tmp_path):
 
 @pytest.mark.parametrize("what", ["pipe", "device", "loop", "folder"])
 def test_what_is_no_file_is_no_input(run, tmp_path, pipe, capsys, what):
-    """Each would be waited for or read for ever."""
     (tmp_path / "loop.nc").symlink_to(tmp_path / "loop.nc")
     path = str({"pipe": pipe, "device": "/dev/zero", "loop": tmp_path / "loop.nc", "folder": tmp_path}[what])
     words = {"loop": "is a link that leads nowhere", "folder": "is a folder"}.get(
@@ -131,7 +135,6 @@ def test_what_is_no_file_is_no_output(run, tmp_path, pipe, how):
 
 
 def test_a_full_disk_while_a_comparison_is_written(finished, tmp_path):
-    """A file may grow to 40 kB: the library's own error, in one line, and nothing is left."""
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000)); "
         "from contact_study.start import contact_compare; sys.exit(contact_compare())"

@@ -18,7 +18,7 @@ from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.inputs.errors import InputError
 from tests.campaign.tasks import die, fail, square, wait_for
 from tests.campaign.toy_model import TOY
-from tests.campaign.toy_study import STUDY, assert_same, steps_on_disk
+from tests.campaign.toy_study import assert_same, steps_on_disk
 from tests.commands import main
 
 distributed = pytest.importorskip("distributed")
@@ -66,7 +66,6 @@ def test_no_more_tasks_at_once_than_asked_for(cluster, tmp_path):
 
 
 def test_tasks_nobody_waits_for_end_themselves(cluster, tmp_path):
-    """An interrupt cancels; a task that is under way ends at its next report."""
 
     class InterruptedError(Exception):
         pass
@@ -89,13 +88,6 @@ def test_tasks_nobody_waits_for_end_themselves(cluster, tmp_path):
     assert not (tmp_path / "ended").exists()
 
 
-@pytest.fixture
-def study(tmp_path):
-    path = tmp_path / "study.toml"
-    path.write_text(STUDY)
-    return path
-
-
 def run(study, output, *arguments):
     return main(TOY, [str(argument) for argument in (study, "-o", output, *arguments)])
 
@@ -113,7 +105,6 @@ def test_numbers_are_those_of_one_machine(cluster, study, tmp_path, capsys, monk
 
 @pytest.mark.validation
 def test_killed_worker_is_replaced_and_its_cases_resume(study, tmp_path, capsys):
-    """One worker killed by a signal in the middle: every step is computed and reported once, to the same bits."""
     assert run(study, tmp_path / "whole.nc", "--workers", 1) == 0
     capsys.readouterr()
     killed = []
@@ -152,7 +143,6 @@ def test_a_case_that_kills_its_workers_is_given_up():
 
 
 def test_events_are_read_and_not_executed(cluster, tmp_path):
-    """Whoever reaches the scheduler may write to the topic of a run."""
     sprung = tmp_path / "sprung"
     seen = []
 
@@ -175,7 +165,6 @@ def test_events_are_read_and_not_executed(cluster, tmp_path):
 
 @pytest.mark.validation
 def test_a_case_beyond_the_memory_of_a_worker_is_told_by_it(study, tmp_path, capsys):
-    """Where it runs: this machine may have more, or less."""
     with distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50, memory_limit="1 GB"
     ) as local:
@@ -191,7 +180,6 @@ def test_a_case_beyond_the_memory_of_a_worker_is_told_by_it(study, tmp_path, cap
 
 @pytest.mark.validation
 def test_a_scheduler_that_is_lost_is_one_line(study, tmp_path):
-    """In a process of its own, killed while a task waits: Dask's own remarks filled a page."""
     file = tmp_path / "scheduler.json"
     here = {**os.environ, "PYTHONPATH": os.getcwd(), "TOY_SECONDS": "1"}
     dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--scheduler-file", file, "--port", "0"]
@@ -217,9 +205,6 @@ def test_a_scheduler_that_is_lost_is_one_line(study, tmp_path):
             process.wait()
 
 
-# --- Schedulers and workers that are not what they should be --------------------------------------------------------
-
-
 def refused(study, tmp_path, capsys, *arguments):
     capsys.readouterr()
     assert run(study, tmp_path / "no.nc", *arguments) == 1
@@ -232,15 +217,12 @@ def refused(study, tmp_path, capsys, *arguments):
 def test_scheduler_that_does_not_answer(study, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("contact_study.campaign.engines.dask._TIMEOUT", "0.5s")
     dask = ("--engine", "dask", "--scheduler")
-    assert "--scheduler tcp://127.0.0.1:9: does not answer" in refused(
-        study, tmp_path, capsys, *dask, "tcp://127.0.0.1:9"
-    )
-    assert "--scheduler nowhere: does not answer" in refused(study, tmp_path, capsys, *dask, "nowhere")
-    assert "--scheduler none.json: does not answer (no such file" in refused(
-        study, tmp_path, capsys, *dask, "none.json"
-    )
-    said = refused(study, tmp_path, capsys, *dask, str(study))
-    assert "study.toml: is no file of a scheduler" in said
+    for address, words in (
+        ("tcp://127.0.0.1:9", "--scheduler tcp://127.0.0.1:9: does not answer"),
+        ("none.json", "--scheduler none.json: does not answer (no such file"),
+        (str(study), "study.toml: is no file of a scheduler"),
+    ):
+        assert words in refused(study, tmp_path, capsys, *dask, address)
     assert "--engine dask: needs --scheduler ADDRESS" in refused(study, tmp_path, capsys, "--engine", "dask")
     assert "--scheduler x: goes with --engine dask" in refused(study, tmp_path, capsys, "--scheduler", "x")
 
@@ -252,7 +234,6 @@ def test_workers_of_another_version_are_refused(cluster, study, tmp_path, capsys
 
 
 def test_folder_that_is_not_shared_is_said(study, tmp_path, monkeypatch, capsys):
-    """The worker sees no such folder; or what it wrote there is not here."""
     with monkeypatch.context() as patch:
         there = Path.is_dir
         patch.setattr(Path, "is_dir", lambda path: there(path) and not path.name.endswith(".parts"))
@@ -271,7 +252,6 @@ def test_without_dask_it_is_said(monkeypatch):
 
 @pytest.mark.parametrize(("arguments", "imported"), [((), False), (("--engine", "dask"), True)])
 def test_a_command_imports_dask_only_where_it_is_asked_for(study, tmp_path, arguments, imported):
-    """It would take it half a second; this one reads units and writes a dataset, or asks for a cluster."""
     program = (
         "import sys\n"
         f"sys.argv = ['toy', {str(study)!r}, '-o', {str(tmp_path / 'bem.nc')!r}, *{arguments!r}]\n"

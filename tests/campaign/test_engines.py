@@ -30,7 +30,6 @@ def test_processes_run_tasks_at_the_same_time_one_of_them_here(tmp_path):
 
 
 def test_tasks_that_wait_go_to_the_process_that_is_free(tmp_path):
-    """This process has the last task until another one has run all others."""
     ended, counted = tmp_path / "ended", []
     tasks = [partial(leave, ended), *[partial(square, number) for number in range(3)], partial(wait_for, ended)]
     engines.run(tasks, 2, lambda *event: counted.append(event), "processes")

@@ -42,7 +42,6 @@ def test_fewer_states_than_tell_a_memory_are_warned_of_alike():
 
 
 def test_memory_of_states_in_motion_is_a_time():
-    """States 0.1 ps apart that remember for some 2 ps. Sixty that drift are warned of."""
     noise = np.random.default_rng(0).standard_normal(800)
     series = 1e-12 * np.convolve(noise, np.exp(-np.arange(200) / 20))[300:700]
     values = averages_of(series).step().values

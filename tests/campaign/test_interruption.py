@@ -17,7 +17,6 @@ from tests.campaign.toy_study import assert_same, run, steps_on_disk
 
 
 def test_killed_run_resumes_to_the_same_dataset(study, tmp_path):
-    """A run in two processes; tests/test_commands.py kills one in a single process."""
     assert run(study, "-o", tmp_path / "whole.nc", "--workers", 1) == 0
     output = tmp_path / "killed.nc"
     command = [sys.executable, "-m", "tests.campaign.toy_model", str(study), "-o", str(output), "--workers", "2"]
@@ -54,18 +53,6 @@ def test_interrupt_keeps_steps_and_says_so(study, tmp_path):
     assert "continue with --resume" in stderr
     assert "Traceback" not in stderr
     assert steps_on_disk(tmp_path / "bem.nc.parts")
-
-
-def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
-    output = tmp_path / "bem.nc"
-    folder = tmp_path / "bem.nc.parts"
-    folder.mkdir()
-    (folder / "manifest.json").write_text("{}")
-    (folder / "abc.case").touch()
-    assert run(study, "-o", output) == 1
-    assert run(study, "-o", output, "--resume") == 1
-    assert "has lost the record of its run (manifest.json)" in capsys.readouterr().err
-    assert (folder / "manifest.json").read_text() == "{}"
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="finds the workers in /proc")
@@ -118,7 +105,6 @@ OVERRIDE_ALL = 'when = { "interaction.well_depth_ratio" = 2 }'
 
 @pytest.mark.parametrize("there", ["the same study", "another study", "no dataset"])
 def test_steps_that_replace_what_stands_there_go_on(study, interrupted, tmp_path, capsys, stopped, there):
-    """Interrupted under --overwrite: the steps are continued, and the old file stands until they are complete."""
     output = tmp_path / "there.nc"
     if there == "no dataset":
         output.write_text("notes")
@@ -159,14 +145,13 @@ def test_a_torn_file_is_gone_on_with(study, interrupted, tmp_path, capsys, where
     assert_same(tmp_path / "whole.nc", interrupted)
 
 
-KEYS = [(b"cons", 0), (b"note", 0), (b"stat", 0), (b"step", 0), (b"step", 1), (b"stat", 2), (b"step", 2)]
+KEYS = [(b"cons", 0), (b"note", 0), (b"step", 1), (b"stat", 2), (b"step", 2)]
 
 
 @pytest.mark.parametrize(
-    ("key", "where"), [*[(key, -1) for key in KEYS], *[((b"step", 1), where) for where in (0, 6, 10, 18, 40)]]
+    ("key", "where"), [*[(key, -1) for key in KEYS], *[((b"step", 1), where) for where in (0, 10, 18, 40)]]
 )
 def test_changed_bits_on_disk_are_computed_again(study, interrupted, tmp_path, capsys, key, where):
-    """One bit is another, in the head of a record, in its text or in its last array: all stands under a checksum."""
     (damaged,) = (tmp_path / "bem.nc.parts").glob("*.case")
     record = records_of(damaged)[key]
     content = bytearray(damaged.read_bytes())
@@ -180,7 +165,6 @@ def test_changed_bits_on_disk_are_computed_again(study, interrupted, tmp_path, c
 
 
 def test_another_commit_is_said(study, interrupted, monkeypatch, capsys):
-    """A run that is continued, or not repeated, after the program has changed."""
     monkeypatch.setattr(provenance, "git_commit", lambda: "another")
     assert run(study, "-o", interrupted, "--resume") == 0
     assert "the next of another" in capsys.readouterr().err
@@ -189,7 +173,7 @@ def test_another_commit_is_said(study, interrupted, monkeypatch, capsys):
     assert "is of commit another" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("content", [None, "", "[1]", "3"])
+@pytest.mark.parametrize("content", [None, "[1]"])
 def test_steps_without_a_manifest_are_not_mixed(study, interrupted, tmp_path, capsys, content):
     manifest = tmp_path / "bem.nc.parts" / "manifest.json"
     manifest.unlink()
@@ -198,6 +182,6 @@ def test_steps_without_a_manifest_are_not_mixed(study, interrupted, tmp_path, ca
     before = sorted(tmp_path.rglob("*"))
     assert run(study, "-o", interrupted) == 1
     assert run(study, "-o", interrupted, "--resume") == 1
-    assert "--overwrite" in capsys.readouterr().err
+    assert "has lost the record of its run (manifest.json)" in capsys.readouterr().err
     assert sorted(tmp_path.rglob("*")) == before
     assert run(study, "-o", interrupted, "--overwrite") == 0

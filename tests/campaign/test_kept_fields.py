@@ -9,7 +9,6 @@ import xarray as xr
 import contact_study
 from contact_study import plots
 from contact_study.inputs.errors import InputError
-from contact_study.start import contact_merge as merge
 from contact_study.study.study import make_study
 
 STUDY = {
@@ -56,17 +55,6 @@ def test_chosen_points_in_single_precision(whole, tmp_path, name):
         plots.gap_map(found.isel(step=1))
         with pytest.raises(ValueError, match=r"keeps no gap of this point .* output\.field_steps chose others"):
             plots.gap_map(found.isel(step=2))
-
-
-def test_single_precision_takes_half_the_space(tmp_path):
-    sizes = {}
-    rough = {"kind": "self_affine", "size": "10 nm", "shape": [128, 128], "rms_height": "0.1 nm", "cutoff_mode": 30}
-    for precision in ("double", "single"):
-        table = study(field_precision=precision, path=["1 MPa", "20 MPa"]) | {"surface": rough}
-        contact_study.run(table, output=tmp_path / f"{precision}.nc")
-        sizes[precision] = (tmp_path / f"{precision}.nc").stat().st_size
-    # At each point of two steps the gap or the pressure is no zero: one number that does not compress, 4 bytes less.
-    assert sizes["double"] - sizes["single"] > 0.9 * 2 * 128**2 * 4
 
 
 def test_series_for_paraview_has_the_points_that_are_kept(tmp_path):
@@ -145,31 +133,3 @@ def test_lengthened_path_keeps_what_was_kept(tmp_path):
     short, long = study(path=["1 MPa", "5 MPa"], **options), study(path=["1 MPa", "5 MPa", "9 MPa"], **options)
     found = outcome(short, long, tmp_path / "bem.nc")
     xr.testing.assert_identical(found.gap, contact_study.run(long).gap)
-
-
-def test_parts_are_joined_as_they_are(tmp_path):
-    options = {"field_steps": [-1], "field_precision": "single"}
-    table = study(**options)
-    swept = {"material.poissons_ratio": [0.3, 0.4]}
-    for number, ratio in enumerate(swept["material.poissons_ratio"]):
-        part = {**table, "sweep": {"material.poissons_ratio": [ratio]}}
-        contact_study.run(part, output=tmp_path / f"part{number}.nc")
-    parts = [str(tmp_path / f"part{number}.nc") for number in (0, 1)]
-    assert merge([*parts, "-o", str(tmp_path / "all.nc")]) == 0
-    together = contact_study.run({**table, "sweep": swept})
-    with xr.open_dataset(tmp_path / "all.nc") as found:
-        assert found.gap.dtype == np.float32
-        xr.testing.assert_identical(found.gap.load(), together.gap)
-
-
-def test_atoms_start_from_the_fields_that_are_there(tmp_path):
-    table = study(field_steps=[1], field_precision="single", path=["20 MPa", "50 MPa"])
-    table["interaction"] = {"work_of_adhesion": "0.05 J/m^2", "length": "0.6 nm"}
-    table["material"]["poissons_ratio"] = 0.3
-    table["surface"]["shape"] = [24, 24]
-    contact_study.run(table, output=tmp_path / "bem.nc")
-    own = {**table, "output": {"fields": False}}
-    with pytest.warns(UserWarning, match="no state in contact for point 1 of"):
-        found = contact_study.run(own, "atomistic", predictor=tmp_path / "bem.nc")
-    assert [bool(text) for text in found.predictor_field.values] == [False, True]
-    assert (found.converged == 1).all()

@@ -1,5 +1,6 @@
 """What a case may use of a machine's memory: inside a job's limit, beside others, on a worker's machine."""
 
+import dataclasses
 import socket
 
 import pytest
@@ -71,23 +72,49 @@ def study(tmp_path):
     return path
 
 
+@pytest.fixture
+def started(tmp_path, monkeypatch):
+    def workers_and_threads(table, model, cores, asked):
+        found, run = [], engines.run
+
+        def kept(tasks, workers, *rest):
+            found.append((workers, tasks[0].args[1]))
+            run(tasks, 1, *rest)
+
+        monkeypatch.setattr(engines, "run", kept)
+        monkeypatch.setattr(runner, "available_cores", lambda: cores)
+        (tmp_path / "study.toml").write_text(make_study(table).toml)
+        more = [] if asked is None else ["--workers", str(asked)]
+        assert main(model, [str(tmp_path / "study.toml"), "-o", str(tmp_path / "bem.nc"), *more]) == 0
+        return found[0]
+
+    return workers_and_threads
+
+
 @pytest.mark.parametrize(
     ("held", "asked", "workers"),
     [(4.5, None, 2), (1.5, None, 1), (2.5, 2, 2), (2.5, 5, 2)],  # there are two cases
 )
-def test_no_more_cases_at_once_than_memory_holds(study, tmp_path, monkeypatch, held, asked, workers):
-    found, run = [], engines.run
-
-    def kept(tasks, workers, *rest):
-        found.append(workers)
-        run(tasks, 1, *rest)
-
-    monkeypatch.setattr(engines, "run", kept)
-    monkeypatch.setattr(runner, "available_cores", lambda: 8)
+def test_no_more_cases_at_once_than_memory_holds(started, monkeypatch, held, asked, workers):
     monkeypatch.setattr(memory, "_memory", lambda: held * NEED)
-    more = [] if asked is None else ["--workers", str(asked)]
-    assert main(TOY, [str(study), "-o", str(tmp_path / "bem.nc"), *more]) == 0
-    assert found == [workers]
+    assert started(changed(), TOY, 8, asked)[0] == workers
+
+
+@pytest.mark.parametrize(
+    ("cores", "busy", "asked", "chosen"),
+    [
+        (8, 1, None, (4, 2)),  # there are four cases
+        (8, 1, 3, (3, 2)),
+        (1, 2, None, (1, 1)),
+        (2, 2, None, (2, 1)),  # two cases for each process
+        (5, 2, None, (2, 2)),
+        (2, 2, 2, (2, 1)),  # asked for
+        (4, 2, 1, (1, 4)),
+    ],
+)
+def test_a_case_has_the_cores_that_it_keeps_busy(started, cores, busy, asked, chosen):
+    table = changed(sweep={"surface.seed": [1, 2]})
+    assert started(table, dataclasses.replace(TOY, threads=busy), cores, asked) == chosen
 
 
 def test_more_workers_than_memory_holds_are_refused(study, tmp_path, monkeypatch, capsys):

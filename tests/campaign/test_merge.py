@@ -11,7 +11,6 @@ import xarray as xr
 from contact_study.campaign import merge as merging
 from contact_study.campaign.dataset.file import States, states_file
 from contact_study.campaign.dataset.work_directory import WorkDirectory
-from contact_study.campaign.model import MODELS
 from contact_study.start import contact_merge as merge_main
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import BASE, assert_same, changed
@@ -22,9 +21,7 @@ WHOLE = changed(**SWEPT)
 UNSWEPT = {section: keys for section, keys in BASE.items() if section != "sweep"}
 
 
-@pytest.fixture(autouse=True)
-def toy_is_the_continuum(monkeypatch):
-    monkeypatch.setitem(MODELS, "continuum", TOY)
+pytestmark = pytest.mark.usefixtures("toy_is_the_continuum")
 
 
 @pytest.fixture
@@ -88,7 +85,6 @@ def test_seeds_join_to_what_one_run_writes(parts, merge, tmp_path):
 
 
 def test_warnings_are_those_of_one_run(run, merge, tmp_path):
-    """Of the whole study once, of a step where it stands."""
     table = changed(sweep={"interaction.well_depth_ratio": [1, 2]}, solver={"max_iterations": 7})
     files = [run(table, f"{ratio}.nc", "--interaction.well_depth_ratio", ratio) for ratio in ("1", "2")]
     assert merge(*files)[0] == 0
@@ -128,7 +124,6 @@ def test_values_in_other_units_are_one_point(run, merge, tmp_path):
 
 
 def test_other_bins_are_brought_together(run, merge, tmp_path):
-    """Parts of a sweep over adhesion resolve distributions of their own range."""
     table = changed(**SWEPT, output={"pressure_range": None})
     one = run(table, "one.nc", "--interaction.well_depth_ratio", "1")
     strong = run(table, "strong.nc", "--interaction.well_depth_ratio", "40")
@@ -176,10 +171,8 @@ def test_a_key_that_nobody_sweeps_is_named_or_joined_along(run, merge, tmp_path)
 
 
 DIFFERENT = {
-    "material.youngs_modulus": {"material": {"youngs_modulus": "10 GPa"}},
     "loading.path": {"loading": {"path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]}},
     "loading.unload": {"loading": {"unload": True}},
-    "output.fields": {"output": {"fields": False}},
     "output.pressure_bins": {"output": {"pressure_bins": 100}},
 }
 

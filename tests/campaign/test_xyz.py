@@ -54,7 +54,6 @@ def pair_force(offsets):
 
 
 def test_stresses_follow_from_the_positions(dataset, tmp_path):
-    """The file alone, positions of atoms and sites, gives the stresses that stand beside them."""
     ase_io = pytest.importorskip("ase.io", reason="extra xyz")
     (path,) = to_xyz(dataset, tmp_path / "atoms.xyz")
     frames = ase_io.read(path, index=":")
@@ -147,7 +146,6 @@ def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
 
 
 def test_continuum_knows_no_atoms(tmp_path):
-    """One study for all models: what the atoms keep starts no continuum anew."""
     study = {**still(), "loading": {"path": ["1 GPa"]}}
     contact_study.run({**study, "output": {}}, "continuum", output=tmp_path / "bem.nc")
     with warnings.catch_warnings():  # of what is computed anew

@@ -22,9 +22,7 @@ from tests.report.synthetic import STUDY
 pytest.importorskip("zarr")
 
 
-@pytest.fixture(autouse=True)
-def toy_is_the_continuum(monkeypatch):
-    monkeypatch.setitem(MODELS, "continuum", TOY)
+pytestmark = pytest.mark.usefixtures("toy_is_the_continuum")
 
 
 @pytest.fixture
@@ -80,16 +78,6 @@ def test_it_is_resumed_replaced_and_kept(run, tmp_path, capsys):
         assert dataset.sizes["seed"] == 2
     names = ["bem.zarr", "bem.zarr.restart", "study.toml", "whole.nc", "whole.nc.restart"]
     assert sorted(path.name for path in tmp_path.iterdir()) == names
-
-
-@pytest.mark.validation
-def test_parts_of_either_format_are_joined(run, tmp_path):
-    for seed, name in ((1, "one.zarr"), (2, "two.nc"), (3, "three.zarr")):
-        run(WHOLE, name, "--surface.seed", str(seed))
-    names = [str(tmp_path / name) for name in ("one.zarr", "two.nc", "three.zarr")]
-    assert merge([*names, "-o", str(tmp_path / "all.zarr")]) == 0
-    run(WHOLE, "whole.nc")
-    assert_same(tmp_path / "all.zarr", tmp_path / "whole.nc")
 
 
 @pytest.mark.validation
