@@ -55,17 +55,6 @@ def test_the_paper_surface_converges_with_the_second_order(paper, flows, ratio):
     assert errors[1][1] < 2.5e-3 * CONVERGED[ratio][1]  # 2.2e-3 at 8 ε₀
 
 
-@pytest.mark.parametrize("ratio", [1, 8])
-def test_area_and_mean_gap_are_conserved_and_energies_add_up(flows, ratio):
-    flow = flows[ratio]
-    assert flow.converged
-    for state in flow.states(np.linspace(flow.mean_gap[2], flow.mean_gap[-1], 4)):
-        assert state.complete
-    gap = 6e-10
-    below, above = flow.states(np.array([gap - 2e-12, gap + 2e-12]))
-    assert below.pressure > above.pressure
-
-
 @pytest.mark.parametrize(("ratio", "agreement"), [(1, 2e-3), (8, 5e-3)])
 def test_pressure_is_the_slope_of_the_energy(flows, ratio, agreement):
     flow = flows[ratio]
@@ -73,6 +62,7 @@ def test_pressure_is_the_slope_of_the_energy(flows, ratio, agreement):
     for node in np.searchsorted(nodes, [4.2e-10, 6e-10, 1e-9]):
         # On nodes, where the energy has no ripple; central differences of neighbours, whose error is some 1e-3.
         states = flow.states(nodes[[node - 1, node, node + 1]])
+        assert all(state.complete for state in states)
         energy = [s.elastic_energy + s.interaction_energy for s in states]
         slope = np.gradient(energy, nodes[[node - 1, node, node + 1]], edge_order=2)[1]
         scale = max(abs(states[1].pressure), 0.1e9)
@@ -107,16 +97,6 @@ def test_on_springs_it_is_the_gap_flow(paper):
             assert one.fraction_below(distance) == pytest.approx(other.fraction_below(distance), rel=0.01, abs=1e-4)
         assert one.pressure == pytest.approx(other.pressure, rel=0.01)
         assert one.elastic_energy == pytest.approx(other.elastic_energy, rel=0.01)
-
-
-def test_a_law_too_weak_to_be_felt_leaves_the_heights(paper):
-    flow = flow_of(paper, 1e-9, highest_pressure=1e5)
-    gap = flow.mean_gap[0] + 0.95 * (flow.mean_gap[-1] - flow.mean_gap[0])
-    (state,) = flow.states(np.array([gap]))
-    variance = state.weights @ (state.gaps * flow.length - gap) ** 2
-    # f = 1 everywhere: the gap is Gaussian with the heights' variance, but for the nodes' own scatter.
-    assert variance == pytest.approx(paper.rms_height**2, rel=2e-3)
-    assert state.elastic_energy == pytest.approx(0.0, abs=1e-6)
 
 
 def test_whole_contact_is_the_law_and_the_energy_of_the_heights(paper):
@@ -182,11 +162,9 @@ def test_contact_that_the_approach_does_not_reach_is_followed_from_its_own_side(
     assert not flow.states(np.array([between]))[0].converged
 
 
-@pytest.mark.parametrize(
-    ("hurst", "share", "area"), [(0.5, 0.5, 0.452), (0.8, 0.25, 0.867)], ids=["cascade", "long waves"]
-)
-def test_four_decades_of_roughness_have_states(hurst, share, area):
+def test_four_decades_of_roughness_have_states():
     """The stress of wide bands is in the last thousandths of their variance: 480 nodes or 300 scales agree."""
+    hurst, share, area = 0.5, 0.5, 0.452
     wavevector = 2 * np.pi / 1e-4
     spectrum = SelfAffineSpectrum(hurst, 1e-7, wavevector, wavevector, 1e4 * wavevector)
     energy = float(spectrum.full_contact_energy(HalfSpace(1e11).stiffness))
@@ -218,7 +196,7 @@ def test_bad_arguments_are_named(paper):
     }.items():
         for value in values:
             with pytest.raises(ValueError, match=name):
-                edge_flow(paper.spectrum, paper.contact_modulus, paper.law(1), **{name: value})
+                flow_of(paper, 1, **{name: value})
 
 
 def test_bad_questions_are_named(paper, flows):

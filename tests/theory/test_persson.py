@@ -146,18 +146,9 @@ def test_tension_keeps_the_adhered_branch(paper):
     assert 0.3 < pulled.relative_contact_area < at_rest.relative_contact_area
     assert solve(theory, -1e9, "detached").detached
     assert solve(theory, -3e9, pulled.detachment_stress).detached
-
-
-@pytest.mark.parametrize("work_of_adhesion", [3.2, 5.52])
-def test_both_branches_are_one_under_pressure(paper, work_of_adhesion):
-    theory = paper.theory(work_of_adhesion)
+    # Under pressure both are one: ends of one iteration from two sides, 1e-7 of the stress scale.
     adhered, detached = (solve(theory, 1e8, start) for start in ("adhered", "detached"))
-    assert adhered.converged
-    assert detached.converged
-    # Ends of one iteration from two sides: its tolerance, 1e-7 of the stress scale, times the answer near sticking.
     assert detached.relative_contact_area == pytest.approx(adhered.relative_contact_area, rel=1e-5)
-    assert solve(theory, 0.0, "detached").detached
-    assert not solve(theory, 0.0, "adhered").detached
 
 
 @pytest.mark.parametrize(("work_of_adhesion", "pressure"), [(2.95, 0.1), (3.1, 0.1)])
@@ -234,17 +225,10 @@ def test_area_factors_are_gaussian_means():
     assert true_area_factor(np.array(0.26244)) == pytest.approx(1.03336, abs=5e-6)
 
 
-def test_share_of_the_energy_in_incomplete_contact():
-    # A[β + (1−β)A²] and A[5/9 − (2/9)A² + (2/3)A⁴] at A = ½, by hand.
-    half = np.array([0.5])
-    assert energy_weight(half, "paper", 0.4) == pytest.approx(0.5 * (0.4 + 0.6 / 4))
-    assert energy_weight(half, "wang_mueser", 0.4) == pytest.approx(13 / 48)
-    assert energy_weight(half, "area", 0.4) == pytest.approx(0.5)
-
-
 def test_full_contact_stores_the_full_energy(paper):
-    for kind in ("paper", "wang_mueser", "area"):
-        assert energy_weight(np.array([0.0, 1.0]), kind, 0.4) == pytest.approx([0, 1])
+    # A[β + (1−β)A²] and A[5/9 − (2/9)A² + (2/3)A⁴] at A = ½.
+    for kind, half in (("paper", 0.275), ("wang_mueser", 13 / 48), ("area", 0.5)):
+        assert energy_weight(np.array([0.0, 0.5, 1.0]), kind, 0.4) == pytest.approx([0, half, 1])
     theory = paper.theory(0.69)
     assert theory.elastic_energy(np.ones(theory.nodes + 1))[0] == pytest.approx(5.3532, abs=5e-5)
     assert theory.full_contact_energy == pytest.approx(5.3532 - 0.69 * 1.03336, abs=1e-4)

@@ -266,26 +266,27 @@ def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
 def test_two_spectra_stand_side_by_side_and_are_those_of_one_alone():
     kinds = ["analytic", "surface"]
     weak = {"interaction": {"work_of_adhesion": "0.3 J/m^2"}}  # quickly solved
-    both, *alone = (
-        case_of("1 GPa", "2 GPa", flows=BOTH, theory={"spectrum": kind}, **weak) for kind in (kinds, *kinds)
-    )
-    found = steps_of(both)
-    for step, target, measured in zip(found, *map(values_of, alone), strict=True):
-        assert_same(step.values, target)
-        labelled = [name for name in measured if "/" in name]
-        assert_same({name: step.values[name.replace("/", "@surface/", 1)] for name in labelled}, measured, labelled)
-        assert len(step.values) == len(target) + len(labelled)
-        assert measured["edge_flow/mean_gap"] != target["edge_flow/mean_gap"]
-    (resumed,) = values_of(both, restart=found[0].restart, start=1)
-    assert_same(resumed, found[1].values)
-    constants = constants_of(both)
-    assert_same(constants, constants_of(alone[0]))
-    assert constants["rms_height"] == pytest.approx(1e-9, rel=1e-9)
-    measured = constants_of(alone[1])
-    assert measured["rms_height"] == pytest.approx(realise(both).rms_height, rel=1e-9)
+    found, constants = {}, {}
+    for asked in (kinds, *kinds):
+        both = case_of("1 GPa", "2 GPa", flows=BOTH, theory={"spectrum": asked}, **weak)
+        found[str(asked)], constants[str(asked)] = steps_of(both), constants_of(both)
+    for step, target, measured in zip(found.pop(str(kinds)), *found.values(), strict=True):
+        assert_same(step.values, target.values)
+        labelled = [name for name in measured.values if "/" in name]
+        others = {name: step.values[name.replace("/", "@surface/", 1)] for name in labelled}
+        assert_same(others, measured.values, labelled)
+        assert len(step.values) == len(target.values) + len(labelled)
+        assert measured.values["edge_flow/mean_gap"] != target.values["edge_flow/mean_gap"]
+    together, analytic, surface = constants.values()
+    assert_same(together, analytic)
+    assert [analytic["rms_height"], surface["rms_height"]] == pytest.approx([1e-9, realise(both).rms_height], rel=1e-9)
     for theory in ("persson", *BOTH):
         name = f"{theory}/pull_off_pressure"
-        assert constants[name.replace("/", "@surface/")] == measured[name]
+        assert together[name.replace("/", "@surface/")] == surface[name]
+    alone = case_of("1 GPa", "2 GPa", theory={"spectrum": kinds})
+    first, second = steps_of(alone)
+    (resumed,) = values_of(alone, restart=first.restart, start=1)
+    assert_same(resumed, second.values)
 
 
 def test_a_warning_names_its_spectrum_once_a_cause_where_there_are_several():
@@ -404,8 +405,7 @@ def test_hard_wall_has_persson_only():
 
 
 def test_distribution_that_lost_area_is_not_converged(case):
-    flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law, gaps=200, scales=100)
-    state = flow.at_pressure(1e9)
+    state = gap_flow(realise(case).spectrum, case.solid, case.law, gaps=200, scales=100).at_pressure(1e9)
     assert state.quantities()["converged"]
     for weights in (0.999 * state.weights, np.roll(state.weights, 1)):
         assert not dataclasses.replace(state, weights=weights).quantities()["converged"]

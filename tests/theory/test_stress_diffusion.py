@@ -64,38 +64,16 @@ def test_resting_boundary_is_the_method_of_images(pressure):
 )
 def test_moving_boundary_agrees_with_the_integral_equation(pressure, stress, slope):
     s = nodes()
-    survived = diffuse(pressure, s, stress(s), 300).contact[-1]
-    # Richardson on both sides puts the integral equation within 1e-7 and the scheme within 2e-5.
-    assert survived == pytest.approx(surviving_by_volterra(pressure, stress, slope), rel=5e-5)
-
-
-@pytest.mark.parametrize("pressure", [-0.2, 0.0, 0.4])
-def test_load_is_carried_in_the_contact_and_at_its_edges(pressure):
-    s = nodes()
-    result = diffuse(pressure, s, boundary(s), 300)
-    assert result.edge_stress < 0
+    result = diffuse(pressure, s, stress(s), 300)
     # First moment of the scheme: exact at any number of cells, but for the 1e-9 that a boundary moved closer takes.
     assert result.contact_stress + result.edge_stress == pytest.approx(pressure, abs=1e-8)
-
-
-def test_second_order_in_stress():
-    s = nodes()
-    exact = surviving_by_volterra(0.3, boundary, lambda t: 0.25 / np.sqrt(0.3 + t))
-    reference = diffuse(0.3, s, boundary(s), 6000).contact[-1]
-    assert reference == pytest.approx(exact, rel=2e-5)
-    cells = np.array([37, 75, 106, 150, 212, 424])
-    errors = [abs(diffuse(0.3, s, boundary(s), int(n)).contact[-1] - reference) for n in cells]
-    # The initial δ is wider than it should be by its share in two cells, a second-order error whose factor depends on
-    # where it falls: the order shows in the trend only.
-    assert -np.polyfit(np.log(cells), np.log(errors), 1)[0] > 1.6
+    assert result.edge_stress < 0
+    # Richardson on both sides puts the integral equation within 1e-7 and the scheme within 2e-5.
+    assert result.contact[-1] == pytest.approx(surviving_by_volterra(pressure, stress, slope), rel=5e-5)
 
 
 @settings(max_examples=15)
-@given(
-    pressure=st.floats(-2, 4),
-    start=st.floats(0, 1.5),
-    rise=st.floats(0, 2),
-)
+@given(pressure=st.floats(-2, 4), start=st.floats(0, 1.5), rise=st.floats(0, 2))
 def test_area_is_a_probability_that_grows_with_pressure_and_detachment_stress(pressure, start, rise):
     s = nodes(60)
     stress = start + rise * s
