@@ -14,7 +14,6 @@ from theory import (
     references,
     stickiness,
 )
-from theory.non_adhesive import closed_forms
 
 E_STAR, WORK, LENGTH = 93.7348e9, 0.6924, 3.28e-10
 Q = 6.0415e7
@@ -69,20 +68,6 @@ def test_attracted_area_is_what_a_surface_has_within_the_range():
         counted = np.mean((gaps > 0) & (gaps < 3e-10))
         # Three standard errors of a share of two million points.
         assert criteria.attracted_area(mean_gap, 1e-9, 3e-10) == pytest.approx(counted, abs=3 * np.sqrt(counted / 2e6))
-
-
-def test_bearing_area_model_in_its_limits():
-    arguments = SPECTRUM, E_STAR
-    decay, prefactor = closed_forms.low_pressure_asymptote(*arguments)
-    gaps = 1e-9 * np.linspace(0, 4, 9)
-    bare = criteria.bearing_area_pressure(gaps, *arguments, 0.0, RANGE)
-    np.testing.assert_allclose(bare, prefactor * np.exp(-gaps / decay), rtol=1e-12)
-    pulled = bare - criteria.bearing_area_pressure(gaps, *arguments, WORK, RANGE)
-    # A short range attracts as deep a slice of the heights as it is long: the work of adhesion times their density.
-    density = np.exp(-0.5 * (gaps / 1e-9) ** 2) / np.sqrt(2 * np.pi) / 1e-9
-    short = bare - criteria.bearing_area_pressure(gaps, *arguments, WORK, 1e-4 * RANGE)
-    np.testing.assert_allclose(short, WORK * density, rtol=1e-3)
-    assert (pulled > short)[1:].all(), "a longer range reaches the next, fuller slices"
 
 
 def test_bearing_area_model_pulls_from_its_threshold_on():

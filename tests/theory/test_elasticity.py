@@ -54,21 +54,6 @@ def test_gap_flow_is_exact_on_springs(paper, softness):
         assert flow.pressure_at(gap) == pytest.approx(pressure, abs=2e-3 * law.peak_tensile_stress)
 
 
-def test_persson_on_springs_knows_only_heights(paper):
-    spring, work = 3e19, 0.3
-    theory = PerssonTheory(paper.spectrum, Springs(paper.contact_modulus, spring), work)
-    assert theory.stress_scale == pytest.approx(spring * paper.rms_height, rel=1e-12)
-    assert theory.full_contact_energy == pytest.approx(
-        0.5 * spring * paper.rms_height**2 - work * theory.area_factor[-1], rel=1e-12
-    )
-    # A spring lets go at the stress whose energy σ²/2K is the work of adhesion, whatever the size of the crack.
-    released = theory.detachment_stress(np.full(theory.nodes + 1, work))
-    np.testing.assert_allclose(released**2 / (2 * spring), work, rtol=1e-12)
-    # The true area is that of the surface: the solid has no say.
-    half_space = PerssonTheory(paper.spectrum, HalfSpace(paper.contact_modulus), work)
-    assert theory.area_factor[-1] == pytest.approx(half_space.area_factor[-1], rel=1e-12)
-
-
 def test_thick_layers_and_thin_ones(paper):
     """A layer much thicker than the longest wave is a half-space, a thinner one stiffer: less contact, more gap."""
     spectrum, law = paper.spectrum, paper.law(1)

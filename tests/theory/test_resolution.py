@@ -1,6 +1,5 @@
 """Errors of resolution beside the states of the theories."""
 
-import copy
 import dataclasses
 import warnings
 
@@ -9,8 +8,7 @@ import pytest
 
 from contact_study.results.schema import RESOLUTION_ERROR
 from contact_study.study.case import realise
-from contact_study.study.study import make_study
-from tests.theory.test_run import STUDY
+from tests.theory.test_run import study_of
 from theory.study import accuracy as resolution
 from theory.study import model as run
 from theory.study.accuracy import Unresolved, errors
@@ -20,12 +18,8 @@ AREA, GAP = "relative_contact_area", "mean_gap"
 
 
 def case_of(accuracy, flows="gap_flow, edge_flow", **loading):
-    table = copy.deepcopy(STUDY)
-    table["theory"]["flows"] = flows
-    if accuracy is not None:
-        table["theory"]["accuracy"] = accuracy
-    table["loading"] = {"path": ["1 GPa", "5 GPa"], "unload": False} | loading
-    return make_study(table).cases[0]
+    theory = {"flows": flows} | ({} if accuracy is None else {"accuracy": accuracy})
+    return study_of(theory=theory, loading={"path": ["1 GPa", "5 GPa"], "unload": False} | loading).cases[0]
 
 
 @pytest.fixture(scope="module")
@@ -86,23 +80,11 @@ def test_what_is_undefined_or_gone_is_told_apart(case):
     (theories,) = case_theories(case, realise(case))
 
     def judged(area, gap, other_area, other_gap):
-        fine = {
-            f"edge_flow/{AREA}": area,
-            f"edge_flow/{GAP}": gap,
-            "edge_flow/mean_pressure": 1e9,
-            "edge_flow/residual": 1,
-        }
-        coarser = fine | {
-            f"edge_flow/{AREA}": other_area,
-            f"edge_flow/{GAP}": other_gap,
-            "edge_flow/mean_pressure": 2e9,
-        }
+        names = tuple(f"edge_flow/{name}" for name in (AREA, GAP, "mean_pressure", "residual"))
+        fine = dict(zip(names, (area, gap, 1e9, 1), strict=True))
+        coarser = dict(zip(names, (other_area, other_gap, 2e9, 1), strict=True))
         values, worst = errors(fine, coarser, theories, 0.1)
-        assert set(values) == {
-            f"edge_flow/{AREA}{RESOLUTION_ERROR}",
-            f"edge_flow/{GAP}{RESOLUTION_ERROR}",
-            "edge_flow/resolved",
-        }
+        assert set(values) == {*(name + RESOLUTION_ERROR for name in names[:2]), "edge_flow/resolved"}
         assert values["edge_flow/resolved"] is (not worst)
         return [*values.values()], worst.get("edge_flow")
 

@@ -189,12 +189,14 @@ def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
         assert values[area] == pytest.approx(there[area], rel=accuracy)
 
 
-def test_what_the_edge_flow_does_not_find_is_said(case):
+def test_what_the_edge_flow_does_not_find_is_said():
+    case = case_of("1 GPa", "5 GPa", "-8 GPa")
     flow = edge_flow(realise(case).spectrum, case.solid, case.law, gaps=60, scales=16, iterations=3)
     with pytest.warns(NotConverged, match=r"edge flow: \d+ of \d+ mean gaps"):
         found = gap_paths._edge_flow_values(case, flow, BackgroundExecutor(1), 0)
     values = [found(number) for number in range(len(case.path))]
     assert not any(step["edge_flow/converged"] for step in values)
+    assert values[-1]["edge_flow/detached"]
     beyond = next(step for step in values if np.isnan(step["edge_flow/mean_pressure"]))
     assert np.isnan(beyond["edge_flow/relative_contact_area"])
     said = beyond["edge_flow/message"]

@@ -6,7 +6,6 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from theory.non_adhesive import closed_forms
 from theory.persson.separation import (
     NegativeSeparation,
     NotConverged,
@@ -42,13 +41,6 @@ def test_reference_gaps(paper, work_of_adhesion):
     # Half a per cent; where ū is near zero, 0.001 h_rms: half a unit of the reference's last digit, twice.
     expected = np.array(GAPS[work_of_adhesion])
     assert mean_gaps(paper, work_of_adhesion) == pytest.approx(expected, rel=0.005, abs=1e-3)
-
-
-def test_without_adhesion_it_is_the_closed_form(paper):
-    pressures = paper.contact_modulus * np.exp(LOG_PRESSURES)
-    expected = closed_forms.mean_gap(pressures, paper.spectrum, paper.contact_modulus) / paper.rms_height
-    # The spline through twelve pressures a decade and the diffusion each leave some 1e-4 h_rms.
-    assert mean_gaps(paper, 0.0) == pytest.approx(expected, rel=5e-4, abs=2e-4)
 
 
 def test_no_separation_without_pressure(paper):

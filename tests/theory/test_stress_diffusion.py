@@ -97,6 +97,7 @@ def test_bin_averages_hold_the_whole_area():
     assert np.all(densities[edges[1:] < -boundary(1.0)] == 0)
     lost = diffuse(-1.0, s, np.full(161, 0.5), 100)  # beyond the boundary at once
     assert not np.any(lost.contact)
+    assert lost.edge_stress == -1.0
     assert not np.any(lost.density)
 
 

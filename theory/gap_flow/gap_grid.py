@@ -39,24 +39,22 @@ class GapNodes:
         middle = 0.5 * (self.gaps[1:] + self.gaps[:-1]) if self.between is None else self.between
         return np.concatenate([self.gaps[:1], middle, self.gaps[-1:]])
 
-    def mean_stress(self, cubics: np.ndarray) -> float:
+    def mean_stress(self, shares: np.ndarray) -> float:
         """Mean of the distribution that :meth:`stress_masses` sorts into bins, in units of the modulus."""
-        stress = self._stress
-        return inner_product(self._shares(cubics), 0.5 * (stress[1:] + stress[:-1]))
+        return inner_product(shares, 0.5 * (self._stress[1:] + self._stress[:-1]))
 
-    def stress_masses(self, cubics: np.ndarray, bins: np.ndarray) -> np.ndarray:
+    def stress_masses(self, shares: np.ndarray, bins: np.ndarray) -> np.ndarray:
         """Area in each bin of the stress σ = −φ'(u), shape (m,) for m + 1 rising ends in units of the modulus.
 
-        The area below a gap comes as cubics of the distance from the lower end of each interval, shape (4, n), the
-        third power first. In each piece of an interval it is spread evenly over its stresses, of which the steep
-        repulsion holds many.
+        In each piece of an interval the area is spread evenly over its stresses, of which the steep repulsion holds
+        many.
         """
         masses = np.zeros(bins.size - 1)
-        _spread(self._stress, self._shares(cubics), bins, masses)
+        _spread(self._stress, shares, bins, masses)
         return masses
 
-    def _shares(self, cubics: np.ndarray) -> np.ndarray:
-        """Area in each piece."""
+    def shares(self, cubics: np.ndarray) -> np.ndarray:
+        """Area in each piece of the intervals, from the area below a gap in cubics of the distance in an interval."""
         ends = np.arange(_PIECES + 1) / _PIECES
         powers = np.diff(ends ** np.array([[3], [2], [1]]))
         return ((cubics[:3] * np.diff(self.edges) ** np.array([[3], [2], [1]])).T @ powers).ravel()

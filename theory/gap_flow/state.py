@@ -119,12 +119,16 @@ class GapState:
     @property
     def stress_balance(self) -> float:
         """∫σP(σ) dσ / p: 1 but for the resolution and, in the edge flow, the trial field; NaN at p = 0."""
-        mean = self.nodes.mean_stress(self._cumulative.c) * self.contact_modulus
+        mean = self.nodes.mean_stress(self._shares) * self.contact_modulus
         return mean / self.pressure if self.pressure else float("nan")
 
     @cached_property
     def _cumulative(self) -> PPoly:
         return self.cumulative or cumulatives(self.nodes, self.weights[None, :])[0]
+
+    @cached_property
+    def _shares(self) -> np.ndarray:
+        return self.nodes.shares(self._cumulative.c)
 
     def _below(self, gap: np.ndarray | float) -> np.ndarray:
         return self._cumulative(np.clip(gap, self.nodes.edges[0], self.nodes.edges[-1]))
@@ -145,7 +149,7 @@ class GapState:
     def pressure_density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(σ), σ = −φ'(u), in bins (1/Pa), shape (n,) for n + 1 edges (Pa); includes non-contact."""
         bins = np.asarray(edges) / self.contact_modulus
-        return self.nodes.stress_masses(self._cumulative.c, bins) / np.diff(edges)
+        return self.nodes.stress_masses(self._shares, bins) / np.diff(edges)
 
     def quantities(self, contact_distance: float | None = None) -> dict[str, Any]:
         """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges.
