@@ -179,6 +179,9 @@ def test_points_in_any_order_with_whole_lines_missing(tmp_path, heights):
     keys = {"height_unit": "nm", "lateral_unit": "nm", "fill": "harmonic"}
     np.savetxt(tmp_path / "map.xyz", points, fmt="%.4f")  # a third rounds to 0.01 % of a step
     taken(surface(tmp_path, "map.xyz", **keys), 1e-9 * heights, (2e-9, 0.8e-9), rounded=1e-4)
+    # Places that differ by a thousandth of a step are one.
+    np.savetxt(tmp_path / "map.xyz", points + [1e-4, 3e-4, 0] * np.random.default_rng(2).uniform(-1, 1, (48, 3)))
+    taken(surface(tmp_path, "map.xyz", **keys), 1e-9 * heights, (2e-9, 0.8e-9), rounded=1e-3)
     left = points[np.abs(points[:, 0] - 0.3) > 1e-3]
     np.savetxt(tmp_path / "map.xyz", left, fmt="%.4f")
     found = surface(tmp_path, "map.xyz", **keys)
