@@ -107,6 +107,7 @@ def test_no_more_cases_at_once_than_memory_holds(started, monkeypatch, held, ask
         (8, 1, 3, (3, 2)),
         (1, 2, None, (1, 1)),
         (2, 2, None, (2, 1)),  # two cases for each process
+        (3, 2, None, (1, 3)),
         (5, 2, None, (2, 2)),
         (2, 2, 2, (2, 1)),  # asked for
         (4, 2, 1, (1, 4)),

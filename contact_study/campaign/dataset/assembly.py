@@ -134,15 +134,13 @@ def _insert(
     first = next(iter(some.values()))
     # Fields may have single precision.
     dtype = first.dtype if first.dtype == np.float32 and variable.dtype == np.float64 else variable.dtype
-    shapes = {value.shape for value in some.values()}
-    if name in arrays:
-        shapes.add(arrays[name].shape[len(lengths) :])
+    before = [arrays[name]] if name in arrays else []
+    shapes = {value.shape for value in some.values()} | {array.shape[len(lengths) :] for array in before}
     shape = tuple(map(max, zip(*shapes, strict=True)))
-    if name not in arrays or shape != arrays[name].shape[len(lengths) :]:
-        larger = np.full((*lengths, *shape), variable.empty, dtype=dtype)
-        if name in arrays:
-            larger[_corner(arrays[name].shape)] = arrays[name]
-        arrays[name] = larger
+    if [(*lengths, *shape)] != [array.shape for array in before]:
+        arrays[name] = np.full((*lengths, *shape), variable.empty, dtype=dtype)
+        for array in before:
+            arrays[name][_corner(array.shape)] = array
     if not shape:
         everywhere = tuple(zip(*some, strict=True)) if lengths else ()
         arrays[name][everywhere] = [value.item() for value in some.values()] if lengths else first.item()
