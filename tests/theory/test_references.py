@@ -23,6 +23,8 @@ def test_jkr_and_dmt_limits():
     assert reference.jkr_contact_radius(force, radius, modulus, 0.0) == pytest.approx(hertz)
     pulled = reference.dmt_contact_radius(force - 2 * np.pi * 0.05 * radius, radius, modulus, 0.05)
     assert pulled == pytest.approx(hertz)
+    unloaded = reference.jkr_contact_radius(0.0, radius, modulus, 0.05)
+    assert reference.jkr_approach(unloaded, radius, modulus, 0.05) == pytest.approx(unloaded**2 / (3 * radius))
     pull_off = reference.jkr_pull_off_force(radius, 0.05)
     cube = reference.jkr_contact_radius(pull_off * (1 - 1e-12), radius, modulus, 0.05) ** 3
     # A square root of the distance 1e-12 to the fold.
