@@ -10,15 +10,17 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from contact_study.inputs.units import quantity
+from contact_study.report.align.cases import case_points, select, series, sweep_points
 from contact_study.report.align.deviations import split_pair
+from contact_study.report.align.scales import mean_pressure_unit, scales
 from contact_study.report.facts.findings import find
 from contact_study.report.models import entry_of, file_kinds, spectrum_of
 from contact_study.report.read.files import models_in
-from contact_study.report.tables.results import results_tables
-from contact_study.report.text.wording import number
+from contact_study.report.text.wording import fixed, number
 from scripts.harness import Option, head, program, row
 
 
@@ -38,30 +40,38 @@ def run(given: argparse.Namespace) -> None:
     pairs = [pair for pair in deviations["pair"].values if split_pair(pair)[1] == first]
     from_surfaces = scatter.pop("deviations", None)
     findings = find(models, deviations.sel(pair=pairs), regime, scatter, from_surfaces)
-    print("\n".join(f"- {sentence}" for sentence in findings.sentences(given.brief)))
+    print("\n".join(f"- {sentence}" for sentence in findings.sentences()))
 
 
 def table(models: Mapping[str, xr.Dataset], pressures: Sequence[float]) -> str:
     """Markdown: a state a row, "A; ū" of each model a column."""
     names = [entry_of(name).words.removeprefix("the ") for name in models]
-    found = results_tables(models, "pressure")
-    unit = found[0].header[0]
-    lines = [head("", unit, *names)]
-    sizes = {"GPa": 1e9, "MPa": 1e6, "kPa": 1e3, "Pa": 1.0}
-    wanted = [number(pressure / sizes[unit[3:-1]], 5) for pressure in pressures]
-    for point in found:
-        for cells in point.rows:
-            if cells[0] in wanted:
-                states = zip(cells[2 : 2 + len(names)], cells[2 + len(names) :], strict=True)
-                lines.append(row(point.title, cells[0], *(f"{area}; {gap}" for area, gap in states)))
+    unit = mean_pressure_unit(models)
+    lines = [head("", f"p ({unit.name})", *names)]
+    for point in sweep_points(models):
+        height = scales(models, point).rms_height
+        parts = {name: part for name, own in models.items() if (part := select(own, point)) is not None}
+        for pressure in pressures:
+            cells = []
+            for part in parts.values():
+                named = [one for one in case_points(part, "pressure") if one is not None and one[1:] == (0, 0)]
+                step = next((step for step, one in enumerate(named) if np.isclose(float(one[0]), pressure)), None)
+                area, gap = series(part, "relative_contact_area"), series(part, "mean_gap")
+                shown = "–" if step is None else f"{fixed(area.values[step], 4)}; {_gap(gap.values[step] / height)}"
+                cells.append(shown)
+            if set(cells) != {"–"}:
+                lines.append(row(point.label, number(pressure / unit.size, 5), *cells))
     return "\n".join(lines)
+
+
+def _gap(value: float) -> str:
+    return fixed(value, 3) if np.isfinite(value) else "–"
 
 
 main = program(
     run,
     Option("comparison", Path, "dataset that contact-compare wrote"),
     Option("--pressures", str, "pressures of the path to show", nargs="+", required=True),
-    Option("--brief", False, "of the sentences below the table only the first"),
 )
 
 if __name__ == "__main__":

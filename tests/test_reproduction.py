@@ -149,23 +149,8 @@ def test_result_table(tmp_path, capsys):
     assert [row.partition(", ")[0] for row in rows[6:]] == [
         "- ε = ε₀",
         "- ε = 8 ε₀",
-        "- The continuum against the atoms",
-        "- Persson's theory against the atoms",
-        "- The gap-flow theory against the atoms",
         "- Persson's theory is published. The gap-flow theory is this project's own",
     ]
-
-
-def test_result_table_with_the_rankings_alone(tmp_path, capsys):
-    comparison = str(tmp_path / "comparison.nc")
-    assert compare([*(str(path) for path in write_all(tmp_path)), "-o", comparison]) == 0
-    capsys.readouterr()
-    assert result_table.main([comparison, "--brief", "--pressures", "0.1 GPa"]) == 0
-    *_, empty, _, one, other, status = capsys.readouterr().out.splitlines()
-    assert empty == ""
-    assert "One surface cannot decide" in one
-    assert "One surface cannot decide" in other
-    assert "unpublished" in status
 
 
 def attribution(areas, gaps):

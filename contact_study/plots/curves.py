@@ -59,7 +59,7 @@ def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, pressure:
             draw_path(axes, curve, Look(), COLOURS[number % len(COLOURS)], words)
             hollow |= bool(back[curve.finite].any())
     if hollow:
-        axes.plot([], [], "o", color="#404040", mfc="white", ms=3.2, label="unloading")
+        axes.plot([], [], "v", color="#404040", mfc="white", ms=6.2, label="unloading")
     add_legend(axes)
     return axes
 

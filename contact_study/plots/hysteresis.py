@@ -37,9 +37,10 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
         axes.fill_betweenx(loop.shared / pressure.size, back / length.size, forth / length.size, **options)
     else:
         axes.fill_between(loop.shared / length.size, back / pressure.size, forth / pressure.size, **options)
-    for branch, fill, words in ((loop.loading, COLOURS[0], "loading"), (loop.unloading, "white", "unloading")):
+    looks = (loop.loading, "o-", COLOURS[0], "loading"), (loop.unloading, "v--", "white", "unloading")
+    for branch, look, fill, words in looks:
         held, at = branch if loop.prescribed == "mean_pressure" else branch[::-1]
-        axes.plot(at / length.size, held / pressure.size, "o-", color=COLOURS[0], ms=3.2, mfc=fill, label=words)
+        axes.plot(at / length.size, held / pressure.size, look, color=COLOURS[0], ms=3.2, mfc=fill, label=words)
     for words, marker, (where, load) in _marks(dataset, loop):
         axes.plot(where / length.size, load / pressure.size, marker, color=COLOURS[1], ms=6, zorder=4, label=words)
     axes.axhline(0, color="#909090", lw=0.7, zorder=1)

@@ -13,7 +13,7 @@ from contact_study.plots.selection import extent, is_periodic, one_state, touchi
 from contact_study.plots.style import COLOURS, axes_of, length_unit, picture, pressure_unit
 from contact_study.results.observables.clusters import cluster_map
 
-_NONE, _OTHERS = "#ffffff", "#9a9a9a"
+_NONE, _OTHERS, _CONTACT = "#ffffff", "#9a9a9a", "#010101"
 
 
 _STATE = "One state of a simulation with its fields, such as ``dataset.sel(step=3)``."
@@ -46,7 +46,7 @@ def gap_map(
     bottom = float(state["contact_distance"])
     top = float(gap.max()) if top is None and gap.count() else top or bottom
     unit = length_unit(top)
-    colours = matplotlib.colormaps["cividis"].with_extremes(bad="black", under="black")
+    colours = matplotlib.colormaps["cividis"].with_extremes(bad=_CONTACT, under=_CONTACT)
     limits = {"vmin": bottom / unit.size, "vmax": (top if top > bottom else bottom + unit.size) / unit.size}
     words = f"gap ({unit.name})" + (", contact black" if gap.mask.any() else "")
     below = "min" if gap.mask.any() else "neither"

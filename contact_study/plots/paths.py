@@ -1,6 +1,5 @@
 """Curves along a loading path: their lines, markers and strips of errors, and the window of their axes."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,14 +13,16 @@ _DOT = 2e-3  # of an axis: what is less than a dot of the figure is not seen
 
 @dataclass(frozen=True)
 class Look:
-    """Line and marker of a curve."""
+    """Line and marker of a curve, and the model that they stand for."""
 
     line: Any = "-"  # as matplotlib knows it, ``"none"`` for markers alone
     marker: str = "o"  # empty for a line alone
     marker_size: float = 3.2  # in points
     line_width: float = 0.9
     hollow: bool = False  # whether markers are not filled
-    faint_return: bool = False  # whether lines of unloading are fainter, and all is drawn behind others
+    behind: bool = False  # whether all is drawn behind others
+    label: str = ""  # name of the model in a legend
+    colour: str = "#0072B2"  # of the model, where colours mean nothing else
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,11 @@ class Curve:
     fit: np.ndarray | None = None  # false where the state did not converge or has detached
     unloading: np.ndarray | None = None  # whether a point is on unloading
     simulated: bool = True  # whether it is of a simulation; theories reach beyond any sampling
+    look: Look = Look()
+
+    def where(self, shown: np.ndarray) -> "Curve":
+        """The curve without the states that are not to be shown."""
+        return replace(self, x=np.where(shown, self.x, np.nan))
 
     @property
     def fits(self) -> np.ndarray:
@@ -53,42 +59,6 @@ class Curve:
     def finite(self) -> np.ndarray:
         """Whether each state can be shown."""
         return np.isfinite(self.x) & np.isfinite(self.y)
-
-
-def of_compression(curve: Curve) -> Curve:
-    """A curve of contact area over pressure, for logarithmic axes."""
-    return replace(curve, x=np.where((curve.x > 0) & (curve.y > 0), curve.x, np.nan))
-
-
-def logarithmic(curve: Curve) -> Curve:
-    """A curve of contact area over pressure in powers of ten, on both axes."""
-    shown = of_compression(curve)
-    positive = np.isfinite(shown.x)
-    x, y = (np.log10(np.where(positive, values, 1.0)) for values in (shown.x, shown.y))
-    return replace(shown, x=np.where(positive, x, np.nan), y=np.where(positive, y, np.nan))
-
-
-def window(curves: Sequence[Curve], ended: int | None) -> np.ndarray:
-    """Limits of x and y (two rows) that hold every state, or end below where the simulations end along one axis.
-
-    Theories give numbers at any distance: on logarithmic axes they would press all else into a corner.
-    """
-    finite = [np.stack([curve.x, curve.y])[:, curve.finite] for curve in curves]
-    every = np.concatenate(finite, axis=1)
-    if ended is not None:
-        simulated = (found for curve, found in zip(curves, finite, strict=True) if found.size and curve.simulated)
-        every = every[:, every[ended] >= min((found[ended].min() for found in simulated), default=-np.inf)]
-    low, high = every.min(axis=1), every.max(axis=1)
-    margin = np.where(high > low, 0.04 * (high - low), 0.5)
-    return np.stack([low - margin, high + margin], axis=1)
-
-
-def smallest_resolved(curves: Sequence[Curve]) -> float:
-    """The smallest log₁₀ density that a simulation shows; theories reach below any sampling."""
-    shown = [curve.y for curve in curves if curve.simulated] or [curve.y for curve in curves]
-    values = np.concatenate([np.empty(0), *shown])
-    values = values[np.isfinite(values)]
-    return float(max(values.min(), values.max() - 8)) if values.size else 0.0
 
 
 def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -126,18 +96,20 @@ def error_band(curve: Curve) -> np.ndarray:
 
 
 def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = "") -> None:
-    """Draw the states along a path: filled on loading, hollow on unloading, crossed where not converged."""
-    order = 2 if look.faint_return else 3
+    """Draw the states along a path: unloading in hollow triangles on a fainter line, crosses where not converged."""
+    order = 2 if look.behind else 3
     segments, back, joined = path_segments(curve)
     if look.line != "none" and len(strip := error_band(curve)):
         draw_strip(axes, strip, colour, ERROR, 1)
         if joined[curve.fits].all():
             curve = replace(curve, x_error=None, y_error=None)
-    for side, alpha in ((~back, 1.0), (back, 0.55 if look.faint_return else 1.0)):
+    for side, alpha in ((~back, 1.0), (back, 0.5)):
         if side.any() and look.line != "none":
             style: Any = {"linestyles": [look.line], "linewidths": look.line_width, "alpha": alpha, "zorder": order}
             axes.add_collection(LineCollection(_chains(segments[side]), colors=colour, **style))
-    for side, fill in ((~curve.back, "none" if look.hollow else colour), (curve.back, "white")):
+    # Larger and below: where unloading retraces loading both are seen.
+    sides = (~curve.back, "none" if look.hollow else colour, look.marker, 0.0), (curve.back, "white", "v", 3.0)
+    for side, fill, marker, larger in sides:
         here = curve.fits & side & curve.finite
         if not look.marker:  # a line needs two states; one that stands alone is a dot
             here &= ~joined
@@ -149,13 +121,13 @@ def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = ""
                 yerr=_at(curve.y_error, here),
                 color=colour,
                 linestyle="none",
-                marker=look.marker or ".",
-                ms=look.marker_size,
+                marker=marker if look.marker else ".",
+                ms=look.marker_size + larger,
                 mfc=fill,
                 mew=0.9,
                 elinewidth=0.7,
                 capsize=1.5,
-                zorder=order,
+                zorder=order - 0.1 * (larger > 0),
                 label=label or None,
             )
             label = ""

@@ -119,8 +119,8 @@ class Unit:
 
 
 def length_unit(largest: float) -> Unit:
-    """The unit in which lengths up to ``largest`` (m) read well; ångströms reach up to the cells of atoms."""
-    for name, size, limit in (("Å", 1e-10, 2e-7), ("nm", 1e-9, 1e-6), ("µm", 1e-6, 1e-3), ("mm", 1e-3, 1.0)):
+    """The unit in which lengths up to ``largest`` (m) read well."""
+    for name, size, limit in (("Å", 1e-10, 1e-9), ("nm", 1e-9, 1e-6), ("µm", 1e-6, 1e-3), ("mm", 1e-3, 1.0)):
         if largest < limit:
             return Unit(name, size)
     return Unit("m", 1.0)

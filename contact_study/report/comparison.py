@@ -19,11 +19,11 @@ from contact_study.report.align.deviations import MISSING, compute_deviations, p
 from contact_study.report.align.ensemble import ensemble_statistics
 from contact_study.report.align.regime import compute_regime
 from contact_study.report.facts.findings import find, surface_deviations
-from contact_study.report.figures.illustrations import Figures, draw
+from contact_study.report.facts.overview import steps
+from contact_study.report.figures import Figures, draw
 from contact_study.report.page import collected_warnings, render_report
 from contact_study.report.read.datasets import Inputs, read_inputs
 from contact_study.report.read.scatter import read_scatter
-from contact_study.report.tables.settings import unconverged_steps
 from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
 
 
@@ -64,22 +64,26 @@ def compare(asked: Request) -> int:
     statistics = ensemble_statistics({scatter.model: scatter.dataset}) if scatter else {}
     from_surfaces = surface_deviations(inputs.models, scatter.model, scatter.dataset) if scatter else None
     wanted = bool(asked.pictures or asked.report)
-    drawn = draw(inputs, asked.reference_pressure, list(asked.pictures), scatter) if wanted else Figures()
+    drawn = (
+        draw(inputs, asked.reference_pressure, list(asked.pictures), scatter, page=asked.report is not None)
+        if wanted
+        else Figures()
+    )
     scattered = {**statistics, **({} if from_surfaces is None else {"deviations": from_surfaces})}
     tree = comparison_tree(inputs, deviations, regime, attrs, scattered)
     outputs: dict[Path, Callable[[Path], Any]] = {
         asked.output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
     }
     for kind, files in asked.pictures.items():
-        outputs |= {files[name]: _writer(content) for name, content in drawn.files(kind).items()}
+        outputs |= {files[name]: _writer(content) for name, content in drawn.files[kind].items()}
     if asked.report:
         shown = inputs.with_first_spectra.models
-        findings = find(shown, deviations, regime, statistics, from_surfaces).sentences()
+        findings = find(shown, deviations, regime, statistics, from_surfaces)
         page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": asked.output.name}, findings)
         outputs[asked.report] = _writer(page.encode())
     _write(outputs)
     print(*outputs, sep="\n")
-    failed = unconverged_steps(inputs.models)
+    failed = steps(inputs.models).unconverged
     if failed:
         words = "of the inputs' steps did not converge; they are marked and left out of the deviations"
         print(f"{asked.command}: {failed} {words}", file=sys.stderr)

@@ -8,8 +8,12 @@ import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from importlib.resources import files
+from typing import TYPE_CHECKING, Any
 
 from contact_study.results.schema import SPECTRUM_MARK
+
+if TYPE_CHECKING:
+    from contact_study.plots.paths import Look
 
 _PRESSED = "the surfaces are pressed closer than this distance on average"
 
@@ -22,14 +26,16 @@ FORMATS = ("png", "pdf", "svg")
 FIGURE_TITLES = {
     "stress_distribution": "Stress distribution",
     "gap_distribution": "Gap distribution",
-    "contact_area": "Contact area",
-    "mean_gap": "Mean gap",
-    "gap_map": "Gap fields",
+    "contact_area": "Contact area against pressure",
+    "mean_gap": "Pressure against mean gap",
+    "gap_map": "Gap, contact black",
     "interface": "Interface",
     "magnification": "Magnification",
     "atoms": "Atoms",
+    "loop": "Loading and unloading",
+    "criteria": "Criteria of sticking",
 }
-"""Figures of a report by name, in their order."""
+"""Figures of a report by name, in the order of their numbers."""
 
 TARGET = "analytic"  # the spectrum that surfaces are made from
 
@@ -39,6 +45,10 @@ _SPECTRA = {
     TARGET: ("target spectrum", "with the target spectrum", "target"),
     "table": ("tabulated spectrum", "with the tabulated spectrum", "table"),
 }
+
+# For several datasets of one model: the first has the model's own line and marker.
+_OTHER_LINES: tuple[Any, ...] = ((0, (7, 1.5)), (0, (4, 1, 1, 1)), (0, (4, 1, 1, 1, 1, 1)))
+_OTHER_MARKERS = ("^", "D", "P")
 
 
 @dataclass(frozen=True)
@@ -79,8 +89,6 @@ class ShownModel:
     densities, area, negative_gap : str
         What is to be known of its distributions, of its contact area, and of a mean gap below zero; without the first
         two it counts as the simulations do.
-    settings : str
-        Macro of ``text/settings.j2`` that puts its settings into words.
     """
 
     name: str
@@ -107,7 +115,6 @@ class ShownModel:
     densities: str = ""
     area: str = ""
     negative_gap: str = _PRESSED
-    settings: str = ""
 
 
 _ENTRIES = tomllib.loads(files(__package__).joinpath("models.toml").read_text(encoding="utf-8"))
@@ -138,6 +145,20 @@ def entry_of(name: str) -> ShownModel:
         return entry
     label, words, short = (f"{text} ({file})" for text in (entry.label, entry.words, entry.short))
     return replace(entry, name=name, file=of_file(entry.file, file), label=label, words=words, short=short)
+
+
+def look_of(model: str, beside: Iterable[str]) -> "Look":
+    """How a model is drawn in a figure beside others; datasets of one model take turns."""
+    from contact_study.plots.paths import Look  # brings Matplotlib
+
+    entry = entry_of(model)
+    line, marker = entry.line, entry.marker
+    turn = [name for name in dict.fromkeys(beside) if kind_of(name) == kind_of(model)].index(model)
+    if turn:
+        line = line if line == "none" else _OTHER_LINES[(turn - 1) % len(_OTHER_LINES)]
+        marker = _OTHER_MARKERS[(turn - 1) % len(_OTHER_MARKERS)] if marker else marker
+    behind = not entry.simulation
+    return Look(line, marker, entry.marker_size, entry.line_width, entry.hollow, behind, entry.label, entry.colour)
 
 
 def known(name: str) -> bool:

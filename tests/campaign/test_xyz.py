@@ -180,10 +180,10 @@ def test_picture_shows_the_row_under_the_largest_tension(dataset):
     middle = atoms.get_offsets()[np.argmin(atoms.get_array())]
     at = state.isel(y=row, x=column)
     told = [at.x + at.lateral_displacement_x, at.atom_height]
-    np.testing.assert_allclose(middle * ANGSTROM, [float(value) for value in told], rtol=1e-9)
+    np.testing.assert_allclose(middle * 1e-9, [float(value) for value in told], rtol=1e-9)
     y = float(at.y + state.lateral_displacement_y[row].mean())
     below = state.substrate_height.sel(site_y=y, method="nearest")
-    np.testing.assert_allclose(np.sort(sites.get_offsets()[:, 1]) * ANGSTROM, np.sort(below), rtol=1e-9)
+    np.testing.assert_allclose(np.sort(sites.get_offsets()[:, 1]) * 1e-9, np.sort(below), rtol=1e-9)
     given = plots.atoms(state, centre=(float(state.y[3]), 0.0))
     np.testing.assert_allclose(np.sort(given.collections[1].get_array()), np.sort(state.normal_stress[3] / 1e9))
     with pytest.raises(ValueError, match=r"atoms are kept with output\.atoms"):

@@ -65,12 +65,12 @@ def test_gap_map_shows_the_gaps_and_masks_the_contact():
     (image,) = axes.images
     shown = image.get_array()
     assert shown.mask.sum() == 3 * 5 + 4
-    np.testing.assert_allclose(shown[0, 6], 70.0, rtol=1e-6)  # Å, at x = 6, y = 0
+    np.testing.assert_allclose(shown[0, 6], 7.0, rtol=1e-6)  # nm, at x = 6, y = 0
     assert shown[6, 0] > shown[0, 0]  # y upwards
     assert image.origin == "lower"
-    np.testing.assert_allclose(image.get_extent(), (0, 160, 0, 160))
-    assert axes.get_xlabel() == "$x$ (Å)"
-    assert image.colorbar.ax.get_ylabel() == "gap (Å), contact black"
+    np.testing.assert_allclose(image.get_extent(), (0, 16, 0, 16))
+    assert axes.get_xlabel() == "$x$ (nm)"
+    assert image.colorbar.ax.get_ylabel() == "gap (nm), contact black"
 
 
 def test_pressure_map_tells_tension_from_compression():
@@ -119,15 +119,15 @@ def test_contact_map_of_thermal_means_tells_the_means_of_the_dataset():
 def test_section_has_both_surfaces_and_the_contact():
     axes = plots.section(state(), y=4.2e-9)
     surface, block, contact = (line.get_ydata() for line in axes.lines)
-    assert axes.get_ylabel() == "height (Å)"
-    np.testing.assert_allclose(surface, 10 * np.cos(2 * np.pi * (np.arange(SIDE) - 8) / SIDE), atol=1e-9)
-    np.testing.assert_allclose(block - surface, 1e10 * state()["gap"].values[4], rtol=1e-9)
+    assert axes.get_ylabel() == "height (nm)"
+    np.testing.assert_allclose(surface, np.cos(2 * np.pi * (np.arange(SIDE) - 8) / SIDE), atol=1e-9)
+    np.testing.assert_allclose(block - surface, 1e9 * state()["gap"].values[4], rtol=1e-9)
     assert list(np.flatnonzero(np.isfinite(contact))) == [3, 4, 5]
     with pytest.raises(ValueError, match="outside the cell"):
         plots.section(state(), y=17e-9)
     high = state()
     high["height"][11, 3] = 5e-9
-    assert max(plots.section(high).lines[0].get_ydata()) == pytest.approx(5e-9 / 1e-10)
+    assert max(plots.section(high).lines[0].get_ydata()) == pytest.approx(5.0)
 
 
 def test_curves_part_loading_from_unloading_and_leave_out_what_did_not_converge():
@@ -147,7 +147,7 @@ def test_curves_part_loading_from_unloading_and_leave_out_what_did_not_converge(
     assert back.get_markerfacecolor() == "white"
     assert axes.get_xlabel() == "pressure $p$ (MPa)"
     forth, back = plots.mean_gap(dataset).lines[:2]
-    np.testing.assert_allclose([*forth.get_ydata(), *back.get_ydata()], [50, 20, 30, 45])  # Å
+    np.testing.assert_allclose([*forth.get_ydata(), *back.get_ydata()], [5, 2, 3, 4.5])  # nm
 
 
 def test_tension_is_shown_on_logarithms_of_both_signs():
@@ -186,7 +186,7 @@ def test_dissipated_energy_of_a_parallelogram():
     assert dissipated_energy(dataset) == pytest.approx(2e-9 * 1e6 * 4.5, rel=1e-9)
     axes = plots.hysteresis_loop(dataset)
     assert "0.009 J/m² dissipated" in axes.get_legend_handles_labels()[1]
-    np.testing.assert_allclose(axes.lines[0].get_xdata(), (11 - np.arange(6)) * 10)  # Å, pressures from below
+    np.testing.assert_allclose(axes.lines[0].get_xdata(), 11 - np.arange(6))  # nm, pressures from below
     there = 1e-9 * (10 - forth)
     for rounding in (1e-15, -1e-15):
         back_again = np.append(there, there[-2::-1] - rounding)
@@ -225,8 +225,8 @@ def test_the_loop_shows_what_its_own_steps_passed_and_marks_jump_in_and_pull_off
     axes = plots.hysteresis_loop(dataset)
     marked = {line.get_label(): (float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in axes.lines[2:4]}
     assert marked == {
-        "jump-in": (pytest.approx(40), pytest.approx(-2)),
-        "pull-off, 0.0055 J/m² of work to separate": (pytest.approx(30), pytest.approx(-3)),
+        "jump-in": (pytest.approx(4), pytest.approx(-2)),
+        "pull-off, 0.0055 J/m² of work to separate": (pytest.approx(3), pytest.approx(-3)),
     }
     assert len(plots.hysteresis_loop(dataset.drop_vars(list(results))).lines) == 3
 
@@ -246,8 +246,8 @@ def test_spectrum_is_that_of_the_waves_and_keeps_the_variance():
 def test_height_map_shows_the_heights():
     axes = plots.height_map(state())
     (image,) = axes.images
-    assert image.get_array()[2, 1] == pytest.approx(10 * np.cos(2 * np.pi * (1 - 2 * 2) / SIDE))  # ångströms
-    assert image.colorbar.ax.get_ylabel() == "height (Å)"
+    assert image.get_array()[2, 1] == pytest.approx(np.cos(2 * np.pi * (1 - 2 * 2) / SIDE))  # nm
+    assert image.colorbar.ax.get_ylabel() == "height (nm)"
 
 
 def test_distributions_have_the_units_of_their_axis():
@@ -299,7 +299,7 @@ def test_more_than_one_state_is_refused_with_the_way_out():
 
 
 def test_units_suit():
-    assert [length_unit(value).name for value in (1e-7, 5e-7, 2.0)] == ["Å", "nm", "m"]
+    assert [length_unit(value).name for value in (9e-10, 5e-7, 2.0)] == ["Å", "nm", "m"]
     assert pressure_unit(3e5).name == "kPa"
 
 

@@ -157,6 +157,8 @@ def _constants(case, kind):
         "work_of_adhesion": case.work_of_adhesion,
         "equilibrium_distance": case.law.equilibrium_distance,
         "peak_tensile_stress": getattr(case.law, "peak_tensile_stress", 0.0),
+        "surface_size_y": surface.size[0],
+        "surface_size_x": surface.size[1],
         "rms_height": surface.rms_height,
         "rms_slope": surface.rms_slope,
         "contact_distance": case.contact_distance,

@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 
 from contact_study.inputs.errors import InputError
-from contact_study.report.align.curves import path_curves
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.ensemble import ensemble_statistics
 from contact_study.report.read.datasets import read_inputs
 from contact_study.start import contact_compare as main
+from tests.report.panels import area_curves
 from tests.report.synthetic import STUDY, area, write
 
 SEEDED = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
@@ -60,7 +60,7 @@ def test_comparison_holds_them(seeded, tmp_path):
         # The figures' curves are these numbers.
         (curve,) = (
             curve
-            for curve in path_curves(read_inputs(seeded).models, "pressure").areas
+            for curve in area_curves(read_inputs(seeded).models)
             if (curve.model, curve.colour) == ("continuum", 1)
         )
         np.testing.assert_allclose(curve.y, found.relative_contact_area.sel(well_depth_ratio=8), rtol=1e-12)
@@ -93,7 +93,7 @@ def test_differences_are_paired(seeded):
 def test_any_swept_key_may_be_averaged_over(tmp_path):
     paths = [write(tmp_path / f"{kind}.nc", kind, HEIGHTS) for kind in ("continuum", "atomistic")]
     models = read_inputs(paths, "rms_height").models
-    labels = {curve.label for curve in path_curves(models, "pressure").areas}
+    labels = {curve.label for curve in area_curves(models)}
     assert len(labels) == 2, "one colour for each ratio"
     assert all("h_rms" not in label for label in labels)
     assert ensemble_statistics(models)["continuum"].relative_contact_area.dims == ("well_depth_ratio", "step")
@@ -106,7 +106,7 @@ def test_any_swept_key_may_be_averaged_over(tmp_path):
     assert "standard errors over the values of rms height" in page
     assert "first rms height" in page
     # Without being asked the heights are points of the sweep.
-    assert len({curve.label for curve in path_curves(read_inputs(paths).models, "pressure").areas}) == 6
+    assert len({curve.label for curve in area_curves(read_inputs(paths).models)}) == 6
 
 
 def test_seeds_are_points_of_the_sweep_where_another_key_is_averaged_over(tmp_path):
@@ -115,7 +115,7 @@ def test_seeds_are_points_of_the_sweep_where_another_key_is_averaged_over(tmp_pa
         read_inputs([path], "well_depth_ratio")
     even = SEEDED[: SEEDED.index("[[override]]")]
     inputs = read_inputs([write(tmp_path / "even.nc", "continuum", even)], "well_depth_ratio")
-    labels = [curve.label for curve in path_curves(inputs.models, "pressure").areas]
+    labels = [curve.label for curve in area_curves(inputs.models)]
     assert labels == ["seed = 1", "seed = 2", "seed = 3"]
 
 

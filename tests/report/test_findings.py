@@ -106,24 +106,12 @@ def test_models_are_ranked_by_shared_states_and_each_point_by_itself(tmp_path):
     assert (first.states, second.states) == (2, 4)
     assert {each.model: each.area for each in first.distances}["persson"] == pytest.approx(4 / 9, rel=1e-9)
     findings = find(models, deviations, regime)
-    pairs = {(each.model, each.reference): each for each in findings.pairs}
-    assert pairs["persson", "atomistic"].area.low == -0.87
-    assert pairs["persson", "atomistic"].area.low_at == "ε = ε₀, p = 0.1 GPa"
     assert not findings.unranked
     write(tmp_path / "c.nc", "continuum", STUDY, unconverged=[(case, step) for case in (0, 1) for step in (1, 2, 3)])
     write(tmp_path / "t.nc", "theory", STUDY, unconverged=[(0, 0), (1, 0)])
     findings = find(*compared(read_inputs(paths)))
     assert findings.unranked
-    assert not findings.rankings
     assert "share no state" in findings.sentences()[0]
-
-
-def test_states_visited_again_are_distinguished(tmp_path):
-    back = STUDY[: STUDY.index("[sweep]")].replace('"5.8725 GPa"]', '"5.8725 GPa", "0.1 GPa"]\nunload = true')
-    inputs = read_inputs([write(tmp_path / f"{kind}.nc", kind, back) for kind in ("continuum", "atomistic")])
-    for step, words in ((0, "p = 0.1 GPa"), (3, "p = 0.1 GPa, visit 2"), (4, "p = 5.8725 GPa on unloading")):
-        (pair,) = find(*compared(inputs, lambda found, step=step: found[AREA].__setitem__((0, step), 0.9))).pairs
-        assert pair.area.high_at == words
 
 
 def test_scatter_between_surfaces(inputs, tmp_path):
@@ -135,7 +123,7 @@ def test_scatter_between_surfaces(inputs, tmp_path):
     areas = {ratio: area(ratio, np.array([p]), SEEDS[:, None]) for ratio, p in PRESSURES.items()}
     relative = {ratio: values.std(0, ddof=1) / values.mean(0) for ratio, values in areas.items()}
     for label, values in zip(LABELS, relative.values(), strict=True):
-        assert found.relative[label].mean == pytest.approx(values.mean(), rel=1e-9)
+        assert found.relative[label] == pytest.approx(values.mean(), rel=1e-9)
     one = {ratio: area(ratio, np.array(p)) for ratio, p in PRESSURES.items()}
     within = sum(int((np.abs(one[r] - areas[r].mean(0)) <= areas[r].std(0, ddof=1)).sum()) for r in PRESSURES)
     assert found.within == (within, 7)

@@ -89,7 +89,7 @@ def test_pressure_unit(pressure, name):
 
 
 def test_length():
-    assert wording.length(1040e-10) == "1040 Å"
+    assert wording.length(1040e-10) == "104 nm"
     assert wording.length(3.28e-10) == "3.28 Å"
     assert wording.length(500e-9) == "500 nm"
     assert wording.length(1e-6) == "1 µm"

@@ -35,10 +35,11 @@ def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:
         list(dict.fromkeys(v for dataset in models.values() if dim in dataset.dims for v in dataset[dim].values))
         for dim in dims
     ]
+    several = [dim for dim, own in zip(dims, values, strict=True) if len(own) > 1] or dims
     points = []
     for combination in itertools.product(*values):
         selection = dict(zip(dims, combination, strict=True))
-        names = [coordinate_label(dim, value, lead[dim].attrs.get("units", "1")) for dim, value in selection.items()]
+        names = [coordinate_label(dim, selection[dim], lead[dim].attrs.get("units", "1")) for dim in several]
         points.append(SweepPoint(selection, ", ".join(names)))
     return points
 

@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
+from contact_study.plots.panels import Band
 from contact_study.plots.paths import Curve
-from contact_study.report.align.cases import Series, SweepPoint, case_points, select, series, sweep_points
+from contact_study.report.align.cases import SweepPoint, case_points, select, series, sweep_points
 from contact_study.report.align.ensemble import standard_error
-from contact_study.report.align.scales import Scales, mean_pressure_unit, scales
-from contact_study.report.models import entry_of
+from contact_study.report.align.scales import Scales, mean_gap_unit, mean_pressure_unit, scales
+from contact_study.report.models import entry_of, look_of
 from contact_study.report.read.load_steps import samples_in
 from contact_study.report.read.scatter import Scatter
 from contact_study.results.state import usable
@@ -18,71 +19,39 @@ from contact_study.study.load_steps import PathPoint
 
 _VISIBLE = 2e-3  # of a quantity: a dot of the figures
 
+Models = Mapping[str, xr.Dataset]
+
 
 @dataclass(frozen=True)
 class Axis:
     """One axis of a figure along the path: a quantity of the datasets, in a unit of the figure."""
 
     name: str  # variable of the datasets
+    label: str
     unit: Callable[[Scales], float] = lambda scale: 1.0  # scales of a point of the sweep to the unit of the quantity
-    logarithm: bool = False  # whether the natural logarithm is shown, of what is positive
-
-    def values(self, quantity: np.ndarray, scale: Scales) -> np.ndarray:
-        """The quantity on this axis."""
-        if not self.logarithm:
-            return quantity / self.unit(scale)
-        return np.log(np.where(quantity > 0, quantity, np.nan) / self.unit(scale))
-
-    def errors(self, found: Series, scale: Scales) -> np.ndarray | None:
-        """Its standard error on this axis, None where there is none."""
-        error = found.standard_error / self.unit(scale)
-        if self.logarithm:  # without error where the quantity may be zero
-            positive = np.where(found.values > 0, found.values, np.nan)
-            error = np.where(found.standard_error < positive, found.standard_error / positive, np.nan)
-        return error if np.isfinite(error).any() else None
 
 
-_AREA, _GAP = Axis("relative_contact_area"), Axis("mean_gap", lambda scale: scale.rms_height)
-_OVER_MODULUS = Axis("mean_pressure", lambda scale: scale.contact_modulus)
-_LOG_PRESSURE = replace(_OVER_MODULUS, logarithm=True)
+AREA = Axis("relative_contact_area", r"contact area $A/A_0$")
 
 
-@dataclass(frozen=True)
-class PathCurves:
-    """Curves along the path, of contact area over pressure and of pressure over mean gap."""
-
-    areas: list[Curve]  # A/A₀ against the mean pressure, the paper's figure 3
-    gaps: list[Curve]  # ln(p/E*) against ū/h_rms for p > 0, the paper's figure 4
-    linear_gaps: list[Curve]  # p/E* against ū/h_rms, tension included
-
-    @property
-    def in_compression(self) -> bool:
-        """Whether some contact area has a state to show on logarithmic axes."""
-        return any(((curve.x > 0) & (curve.y > 0)).any() for curve in self.areas)
-
-    @property
-    def gap_panels(self) -> list[str]:
-        """Panels of the mean gap: ``"logarithmic"`` where there is compression, ``"linear"`` where there is tension."""
-        compressed = any(curve.finite.any() for curve in self.gaps)
-        pulled = any((np.isfinite(curve.x) & (curve.y < 0)).any() for curve in self.linear_gaps)
-        return [name for name, there in (("logarithmic", compressed), ("linear", pulled)) if there]
+def pressure_axis(models: Models, reduced: bool) -> Axis:
+    """Mean pressure in a unit that suits it, or over E*."""
+    if reduced:
+        return Axis("mean_pressure", r"pressure $p/E^*$", lambda scale: scale.contact_modulus)
+    unit = mean_pressure_unit(models)
+    return Axis("mean_pressure", rf"pressure $p$ ({unit.name})", lambda scale: unit.size)
 
 
-def path_curves(models: Mapping[str, xr.Dataset], control: str, unit: float | None = None) -> PathCurves:
-    """Every curve along the path; contact areas over pressures in ``unit`` (Pa), by default the axis' own."""
-    pressure = _pressure_axis(mean_pressure_unit(models).size if unit is None else unit)
-    return PathCurves(
-        _along_the_path(models, control, pressure, _AREA),
-        _along_the_path(models, control, _GAP, _LOG_PRESSURE),
-        _along_the_path(models, control, _GAP, _OVER_MODULUS),
-    )
+def gap_axis(models: Models, reduced: bool) -> Axis:
+    """Mean gap in a unit that suits it, or over the rms height where there is one."""
+    if reduced and scales(models, sweep_points(models)[0]).rough:
+        return Axis("mean_gap", r"mean gap $\bar{u}/h_\mathrm{rms}$", lambda scale: scale.rms_height)
+    unit = mean_gap_unit(models)
+    return Axis("mean_gap", rf"mean gap $\bar{{u}}$ ({unit.name})", lambda scale: unit.size)
 
 
-def _pressure_axis(unit: float) -> Axis:
-    return Axis("mean_pressure", lambda scale: unit)
-
-
-def _along_the_path(models: Mapping[str, xr.Dataset], control: str, across: Axis, up: Axis) -> list[Curve]:
+def path_curves(models: Models, control: str, across: Axis, up: Axis) -> list[Curve]:
+    """One curve for each model and point of the sweep; means over the samples with their standard errors."""
     curves = []
     for colour, point in enumerate(sweep_points(models)):
         scale = scales(models, point)
@@ -92,13 +61,13 @@ def _along_the_path(models: Mapping[str, xr.Dataset], control: str, across: Axis
                 continue
             part = _with_resolved_pressure(part, control, scale.contact_modulus)
             found = [series(part, axis.name) for axis in (across, up)]
-            x, y = (axis.values(own.values, scale) for axis, own in zip((across, up), found, strict=True))
-            if up.logarithm:
-                x = np.where(np.isfinite(y), x, np.nan)
-            x_error, y_error = (axis.errors(own, scale) for axis, own in zip((across, up), found, strict=True))
+            sizes = [axis.unit(scale) for axis in (across, up)]
+            x, y = (own.values / size for own, size in zip(found, sizes, strict=True))
+            errors = [own.standard_error / size for own, size in zip(found, sizes, strict=True)]
+            x_error, y_error = (error if np.isfinite(error).any() else None for error in errors)
             back = np.array([bool(named[1]) if named else False for named in case_points(part, control)])
-            simulated = entry_of(model).simulation
-            curves.append(Curve(model, point.label, colour, x, y, x_error, y_error, found[1].fit, back, simulated))
+            drawn = entry_of(model).simulation, look_of(model, models)
+            curves.append(Curve(model, point.label, colour, x, y, x_error, y_error, found[1].fit, back, *drawn))
     return curves
 
 
@@ -112,86 +81,31 @@ def _with_resolved_pressure(part: xr.Dataset, control: str, contact_modulus: flo
     return part.assign(mean_pressure=pressure.where(~nothing, 0.0))
 
 
-@dataclass(frozen=True)
-class Strips:
-    """The scatter between realisations of a surface."""
-
-    model: str  # name of the entry of the model that has it
-    surfaces: int  # how many realisations
-    curves: PathCurves  # means over them, whose errors are standard deviations
-
-    @property
-    def label(self) -> str:
-        """In a legend."""
-        return f"{entry_of(self.model).label}, {self.surfaces} surfaces"
-
-
-def scatter_strips(models: Mapping[str, xr.Dataset], scatter: Scatter, control: str) -> Strips:
+def scatter_strips(models: Models, scatter: Scatter, control: str, across: Axis, up: Axis) -> list[Curve]:
     """Means over the realisations, with their standard deviation in place of the error of the mean."""
     colours = {point.label: number for number, point in enumerate(sweep_points(models))}
     own = {scatter.model: scatter.dataset}
-    roots = {point.label: _root_of_samples(scatter.dataset, point) for point in sweep_points(own)}
-
-    def deviating(curves: list[Curve]) -> list[Curve]:
-        return [
-            replace(
-                curve,
-                colour=colours[curve.label],
-                x_error=None if curve.x_error is None else curve.x_error * roots[curve.label],
-                y_error=None if curve.y_error is None else curve.y_error * roots[curve.label],
-            )
-            for curve in curves
-            if curve.label in colours
-        ]
-
-    found = path_curves(own, control)
-    curves = PathCurves(deviating(found.areas), deviating(found.gaps), deviating(found.linear_gaps))
-    return Strips(scatter.model, scatter.surfaces, curves)
-
-
-def _root_of_samples(dataset: xr.Dataset, point: SweepPoint) -> np.ndarray:
-    part = select(dataset, point)
-    assert part is not None
-    return np.sqrt(series(part, "mean_pressure").samples)
-
-
-@dataclass(frozen=True)
-class Band:
-    """The band between the two metastable branches of a theory at one point of the sweep."""
-
-    model: str  # name of the theory's entry
-    colour: int  # number of the colour
-    along: np.ndarray  # increasing pressures, in the units of the figure
-    low: np.ndarray  # the enclosed quantity
-    high: np.ndarray
-
-
-@dataclass(frozen=True)
-class PathBands:
-    """Bands for the curves of :class:`PathCurves`."""
-
-    areas: list[Band]
-    gaps: list[Band]
-    linear_gaps: list[Band]
-
-    @property
-    def models(self) -> list[str]:
-        """Theories that have some."""
-        return list(dict.fromkeys(band.model for found in vars(self).values() for band in found))
+    roots = {}
+    for point in sweep_points(own):
+        part = select(scatter.dataset, point)
+        assert part is not None
+        roots[point.label] = np.sqrt(series(part, "mean_pressure").samples)
+    return [
+        replace(
+            curve,
+            colour=colours[curve.label],
+            x_error=None if curve.x_error is None else curve.x_error * roots[curve.label],
+            y_error=None if curve.y_error is None else curve.y_error * roots[curve.label],
+        )
+        for curve in path_curves(own, control, across, up)
+        if curve.label in colours
+    ]
 
 
 def path_bands(
-    branches: Mapping[str, Mapping[str, xr.Dataset]], models: Mapping[str, xr.Dataset], unit: float | None = None
-) -> PathBands:
-    """Bands between the branches, at the points of the sweep and in the units of the models' curves."""
-    pressure = _pressure_axis(mean_pressure_unit(models).size if unit is None else unit)
-    pairs = ((pressure, _AREA), (_LOG_PRESSURE, _GAP), (_OVER_MODULUS, _GAP))
-    return PathBands(*(_bands(branches, models, along, across) for along, across in pairs))
-
-
-def _bands(
-    branches: Mapping[str, Mapping[str, xr.Dataset]], models: Mapping[str, xr.Dataset], along: Axis, across: Axis
+    branches: Mapping[str, Mapping[str, xr.Dataset]], models: Models, along: Axis, across: Axis
 ) -> list[Band]:
+    """Bands between the metastable branches of the theories, at the points of the sweep of the models."""
     bands = []
     for model, sides_of in branches.items():
         for colour, point in enumerate(sweep_points(models)):
@@ -207,42 +121,41 @@ def _bands(
             one, two = (np.interp(every, own, values) for own, values in sides)
             # Without hysteresis the branches differ by the error of their grids, which is no band.
             if np.abs(one - two).max(initial=0.0) > _VISIBLE * max(np.abs(one).max(initial=0.0), 1e-300):
-                bands.append(Band(model, colour, every, np.minimum(one, two), np.maximum(one, two)))
+                look = look_of(model, models)
+                bands.append(Band(look, colour, every, np.minimum(one, two), np.maximum(one, two)))
     return bands
 
 
 def _side(part: xr.Dataset, along: Axis, across: Axis, scale: Scales) -> tuple[np.ndarray, np.ndarray]:
     """Increasing pressures of one branch, and the quantity there, in the units of the figure."""
     own, found = series(part, along.name), series(part, across.name)
-    x, y = along.values(own.values[found.fit], scale), across.values(found.values[found.fit], scale)
+    x, y = own.values[found.fit] / along.unit(scale), found.values[found.fit] / across.unit(scale)
     finite = np.isfinite(x) & np.isfinite(y)
     x, order = np.unique(x[finite], return_index=True)
     return x, y[finite][order]
 
 
 def distributions(
-    models: Mapping[str, xr.Dataset],
+    models: Models,
     control: str,
     name: str,
     states: Sequence[tuple[SweepPoint, PathPoint, str]],
+    unit_of: Callable[[Scales], float],
 ) -> list[Curve]:
-    """Decimal logarithm of the density of stress or gap, in units of E* or h_rms: the paper's figures 1 and 2."""
+    """Densities of "pressure" or "gap" of each state, in the unit that its scales give."""
     found = []
     for colour, (point, named, label) in enumerate(states):
-        scale = scales(models, point)
-        unit = scale.contact_modulus if name == "pressure" else scale.rms_height
+        unit = unit_of(scales(models, point))
         for model, dataset in models.items():
             both = density_at(dataset, point, f"{name}_pdf", named, control)
             if both is None:
                 continue
-            density, error = both
-            with np.errstate(divide="ignore", invalid="ignore"):  # rounding may leave −0
-                logarithm = np.where(density > 0, np.log10(density * unit), np.nan)
-                # Of the logarithm; where the density may be zero it has none.
-                error = np.where(error < density, error / (density * np.log(10)), np.nan)
-            curve = Curve(model, label, colour, dataset[f"{name}_bin"].values / unit, logarithm)
+            density, error = (values * unit for values in both)
             known = error if np.isfinite(error).any() else None
-            found.append(replace(curve, y_error=known, simulated=entry_of(model).simulation))
+            density = np.where(density > 0, density, np.nan)
+            x = dataset[f"{name}_bin"].values / unit
+            curve = Curve(model, label, colour, x, density, y_error=known, look=look_of(model, models))
+            found.append(replace(curve, simulated=entry_of(model).simulation))
     return found
 
 

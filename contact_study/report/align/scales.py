@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.style import Unit, pressure_unit
+from contact_study.plots.style import Unit, length_unit, pressure_unit
 from contact_study.report.align.cases import SweepPoint, first_constant, sweep_points
 
 
@@ -42,6 +42,15 @@ def common_scales(models: Mapping[str, xr.Dataset]) -> tuple[bool, bool]:
 
 
 def mean_pressure_unit(models: Mapping[str, xr.Dataset]) -> Unit:
-    """The unit of the pressure axis."""
-    found = [float(np.abs(d["mean_pressure"]).max()) for d in models.values() if "mean_pressure" in d]
-    return pressure_unit(max(found, default=0.0))
+    """The unit of mean pressures."""
+    return pressure_unit(_largest(models, "mean_pressure"))
+
+
+def mean_gap_unit(models: Mapping[str, xr.Dataset]) -> Unit:
+    """The unit of mean gaps."""
+    return length_unit(_largest(models, "mean_gap"))
+
+
+def _largest(models: Mapping[str, xr.Dataset], name: str) -> float:
+    values = np.concatenate([np.empty(0), *(d[name].values.ravel() for d in models.values() if name in d)])
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

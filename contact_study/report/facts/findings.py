@@ -1,58 +1,22 @@
-"""Findings of a comparison: rankings, extremes of each pair, ranges of each model, scatter."""
+"""Findings of a comparison: rankings of the models, and the scatter between surfaces."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.style import length_unit, pressure_unit
-from contact_study.report.align.cases import SweepPoint, case_points, select, sweep_points
-from contact_study.report.align.deviations import COMPARED, compute_deviations, split_pair
+from contact_study.report.align.cases import select, series, sweep_points
+from contact_study.report.align.deviations import compute_deviations, split_pair
 from contact_study.report.align.scales import scales
-from contact_study.report.facts.ranking import AREA, GAP, Ranking, rank_models
+from contact_study.report.facts.ranking import Ranking, rank_models
 from contact_study.report.models import TARGET, entry_of, kind_of, spectrum_of
-from contact_study.report.read.load_steps import averaged, on_common_path, samples_in
+from contact_study.report.read.load_steps import averaged, on_common_path
 from contact_study.report.text.rendering import paragraphs
-from contact_study.report.text.wording import PRESCRIBED, number
+from contact_study.report.text.wording import PRESCRIBED
 from contact_study.results.state import usable
-from contact_study.study.load_steps import PathPoint
 
-
-@dataclass(frozen=True)
-class Spread:
-    """One quantity over a set of states: how many, mean magnitude, extremes with their sign and where they are."""
-
-    count: int
-    mean: float
-    low: float
-    high: float
-    low_at: str
-    high_at: str
-
-    @property
-    def worst(self) -> float:
-        """The larger extreme, with sign."""
-        return self.low if abs(self.low) > abs(self.high) else self.high
-
-
-@dataclass(frozen=True)
-class Pair:
-    """Deviations of a model from a reference over all states; None for a quantity that has none."""
-
-    model: str
-    reference: str
-    area: Spread | None
-    gap: Spread | None
-
-
-@dataclass(frozen=True)
-class Range:
-    """Contact area and mean gap of one model over all states; None for a quantity that has none."""
-
-    model: str
-    area: Spread | None
-    gap: Spread | None
+_AREA = "relative_contact_area"
 
 
 @dataclass(frozen=True)
@@ -65,8 +29,8 @@ class SurfaceScatter:
         Name of the simulation's entry.
     surfaces : int
         How many it has.
-    relative : dict of Spread
-        Standard deviation over mean, by label of the point of the sweep.
+    relative : dict of float
+        Standard deviation over mean, the mean over states, by label of the point of the sweep.
     rankings : list of Ranking
         Theories by their distance from each surface.
     within : tuple of int
@@ -75,47 +39,42 @@ class SurfaceScatter:
 
     model: str
     surfaces: int
-    relative: dict[str, Spread]
+    relative: dict[str, float]
     rankings: list[Ranking]
     within: tuple[int, int]
 
 
 @dataclass(frozen=True)
 class Findings:
-    """All that a comparison, or a report on one dataset, amounts to."""
+    """All that a comparison amounts to."""
 
     unit: str  # unit of mean gaps
     averaged: str  # what the values of an ensemble are called
     rankings: list[Ranking]  # at each point of the sweep
-    pairs: list[Pair]  # models and their references
-    ranges: list[Range]  # of each model where nothing is compared
     scatter: list[SurfaceScatter]  # of each simulation over several surfaces beside the comparison
+    unranked: bool  # whether several models stand beside the reference without a state that all of them share
+
+    @property
+    def _every(self) -> list[Ranking]:
+        return [*self.rankings, *(ranking for found in self.scatter for ranking in found.rankings)]
 
     @property
     def ordered(self) -> bool:
         """Whether an ensemble orders some models."""
-        every = [*self.rankings, *(ranking for found in self.scatter for ranking in found.rankings)]
-        return any(ranking.relations for ranking in every)
+        return any(ranking.relations for ranking in self._every)
 
     @property
     def statuses(self) -> dict[str, list[str]]:
         """Theories that are ranked, by whether they are published."""
-        every = [*self.rankings, *(ranking for found in self.scatter for ranking in found.rankings)]
         found: dict[str, list[str]] = {}
-        for model in dict.fromkeys(one.model for ranking in every for one in ranking.distances):
+        for model in dict.fromkeys(one.model for ranking in self._every for one in ranking.distances):
             if entry_of(model).status and kind_of(model) not in found.setdefault(entry_of(model).status, []):
                 found[entry_of(model).status].append(kind_of(model))
         return found
 
-    @property
-    def unranked(self) -> bool:
-        """Whether several models stand beside the first reference without a state that all of them share."""
-        beside = [pair for pair in self.pairs if pair.reference == self.pairs[0].reference]
-        return len([pair for pair in beside if pair.area]) > 1 and not self.rankings
-
-    def sentences(self, brief: bool = False) -> list[str]:
-        """The findings in words; the rankings alone if ``brief``."""
-        return paragraphs("findings.j2", facts=self, brief=brief)
+    def sentences(self) -> list[str]:
+        """The findings in words."""
+        return paragraphs("findings.j2", facts=self)
 
 
 def find(
@@ -126,91 +85,31 @@ def find(
     from_surfaces: xr.Dataset | None = None,
 ) -> Findings:
     """Compute the findings."""
-    points = sweep_points(models)
-    heights = {point.label: scales(models, point).rms_height for point in points}
-    pairs: list[Pair] = []
+    rankings, beside = [], 0
     if deviations is not None:
-        shown = [pair for pair in deviations["pair"].values if set(split_pair(pair)) <= {*models}]
-        deviations = deviations.sel(pair=shown)
-        pairs = [_pair(deviations, pair, points, heights) for pair in shown]
-    return Findings(
-        unit=scales(models, points[0]).height_symbol,
-        averaged=averaged(next(iter(models.values()))).replace("_", " "),
-        rankings=[] if deviations is None else rank_models(models, deviations, regime),
-        pairs=pairs,
-        ranges=[_range(name, dataset, points, heights) for name, dataset in models.items()]
-        if deviations is None
-        else [],
-        scatter=[
-            found
-            for name, found_there in (statistics or {}).items()
-            if (found := _scatter(models, name, found_there, from_surfaces, regime)) is not None
-        ],
-    )
-
-
-def pair_spread(
-    deviations: xr.Dataset, pair: str, name: str, points: Sequence[SweepPoint], scale: Mapping[str, float]
-) -> Spread | None:
-    """Deviations of one pair over the given points of the sweep, each divided by ``scale`` of its label."""
-    own = deviations.sel(pair=pair)
-    return over_states(own.where(own["state"] == COMPARED), name, points, scale) if name in own else None
-
-
-def over_states(
-    dataset: xr.Dataset, name: str, points: Sequence[SweepPoint], scale: Mapping[str, float]
-) -> Spread | None:
-    """A quantity over all states where it is a number; None if it is none anywhere."""
-    values: list[float] = []
-    places: list[str] = []
-    for point in points:
-        part = select(dataset, point)
-        if part is None:
-            continue
-        lead = samples_in(part[name])
-        array = part[name].transpose(*lead, "step").values / scale[point.label]
-        path = case_points(part, control_of(part))
-        for index in zip(*np.nonzero(np.isfinite(array)), strict=True):
-            seed = [f"{dim.replace('_', ' ')} {part[dim].values[index[0]]}" for dim in lead]
-            values.append(float(array[index]))
-            places.append(", ".join(filter(None, (point.label, *seed, _point_words(part, path[index[-1]])))))
-    if not values:
-        return None
-    low, high = int(np.argmin(values)), int(np.argmax(values))
-    mean = float(np.mean(np.abs(values)))
-    return Spread(len(values), mean, values[low], values[high], places[low], places[high])
+        pairs = [pair for pair in deviations["pair"].values if set(split_pair(pair)) <= {*models}]
+        rankings = rank_models(models, deviations.sel(pair=pairs), regime)
+        beside = len([pair for pair in pairs if split_pair(pair)[1] == split_pair(pairs[0])[1]])
+    scatter = []
+    for name, found in (statistics or {}).items():
+        relative = {}
+        for point in sweep_points({name: found}):
+            part = select(found, point)
+            share = _standard_deviation(part) / part[_AREA] if part is not None else np.array(np.nan)
+            if np.isfinite(share).any():
+                relative[point.label] = float(np.nanmean(share))
+        if relative:
+            within = _count_within(models[name], found) if name in models else (0, 0)
+            ranked = [] if from_surfaces is None else rank_models(models, from_surfaces, regime)
+            scatter.append(SurfaceScatter(name, int(found["samples"].max()), relative, ranked, within))
+    symbol = scales(models, sweep_points(models)[0]).height_symbol
+    average = averaged(next(iter(models.values()))).replace("_", " ")
+    return Findings(symbol, average, rankings, scatter, beside > 1 and all(ranking.alone for ranking in rankings))
 
 
 def control_of(part: xr.Dataset) -> str:
     """The quantity that the path of a dataset prescribes."""
     return next(control for control in PRESCRIBED if f"applied_{control}" in part.coords)
-
-
-def _point_words(part: xr.Dataset, named: PathPoint | None) -> str:
-    """A point of the path: its prescribed value, and its branch and visit where the value occurs several times."""
-    assert named is not None
-    value, branch, visits = float(named[0]), named[1], named[2]
-    control = control_of(part)
-    largest = float(np.abs(part[f"applied_{control}"]).max())
-    unit = pressure_unit(largest) if control == "pressure" else length_unit(largest)
-    again = f", visit {visits + 1}" if visits else ""
-    return (
-        f"{PRESCRIBED[control]} = {number(value / unit.size, 5)} {unit.name}{' on unloading' if branch else ''}{again}"
-    )
-
-
-def _pair(deviations: xr.Dataset, pair: str, points: Sequence[SweepPoint], heights: Mapping[str, float]) -> Pair:
-    area = pair_spread(deviations, pair, AREA, points, dict.fromkeys(heights, 1.0))
-    return Pair(*split_pair(pair), area, pair_spread(deviations, pair, GAP, points, heights))
-
-
-def _range(model: str, dataset: xr.Dataset, points: Sequence[SweepPoint], heights: Mapping[str, float]) -> Range:
-    fit = dataset.where(usable(dataset))
-    area, gap = (
-        over_states(fit, name, points, scale) if name in dataset else None
-        for name, scale in (("relative_contact_area", dict.fromkeys(heights, 1.0)), ("mean_gap", heights))
-    )
-    return Range(model, area, gap)
 
 
 def surface_deviations(models: Mapping[str, xr.Dataset], name: str, realisations: xr.Dataset) -> xr.Dataset | None:
@@ -227,31 +126,12 @@ def surface_deviations(models: Mapping[str, xr.Dataset], name: str, realisations
     return table.sel(pair=[pair for pair in table["pair"].values if split_pair(pair)[1] == name])
 
 
-def _scatter(
-    models: Mapping[str, xr.Dataset],
-    name: str,
-    statistics: xr.Dataset,
-    deviations: xr.Dataset | None,
-    regime: xr.Dataset,
-) -> SurfaceScatter | None:
-    relative = {}
-    share = (_standard_deviation(statistics) / statistics[_AREA]).to_dataset(name="share")
-    for point in sweep_points({name: statistics}):
-        found = over_states(share, "share", [point], {point.label: 1.0})
-        if found is not None:
-            relative[point.label] = found
-    if not relative:
-        return None
-    return SurfaceScatter(
-        name,
-        int(statistics["samples"].max()),
-        relative,
-        [] if deviations is None else rank_models(models, deviations, regime),
-        _count_within(models[name], statistics) if name in models else (0, 0),
-    )
-
-
-_AREA = "relative_contact_area"
+def relative_errors(models: Mapping[str, xr.Dataset], model: str) -> list[float]:
+    """Standard error over mean of a model's contact area at every state of its path that has one."""
+    parts = [select(models[model], point) for point in sweep_points(models)]
+    found = [series(part, _AREA) for part in parts if part is not None]
+    shares = np.concatenate([np.empty(0), *(one.standard_error / one.values for one in found)])
+    return list(shares[np.isfinite(shares)])
 
 
 def _standard_deviation(statistics: xr.Dataset) -> xr.DataArray:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.inputs.errors import InputError
 from contact_study.report.models import TARGET, entry_of, spectrum_of
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.text.rendering import paragraphs
@@ -134,20 +133,6 @@ class Question:
             for name in ordered
         ]
 
-    @property
-    def settings(self) -> list[tuple[str, str, Sequence[Case]]]:
-        """For each file the part of its path that distinguishes it, the macro for its models' settings, its cases."""
-        found = dict.fromkeys((entry.file, entry.settings) for entry in self.entries if entry.settings)
-        cases = {file: self.inputs.studies[file].cases for file, _ in found}
-        return [
-            (
-                file.partition(":")[2],
-                macro if macro != "atoms" or _is_settled(cases[file]) else "unsettled",
-                cases[file],
-            )
-            for file, macro in found
-        ]
-
     def _seeds(self, cases: Sequence[Case]) -> str:
         """The realisations of a kind of surface, and models that have only some of them."""
         seeds = [seed for seed in dict.fromkeys(case.surface.realisation for case in cases) if seed is not None]
@@ -158,14 +143,6 @@ class Question:
         return words + "".join(
             f", {entry_of(n).words} on seed {', '.join(map(str, s))} only" for n, s in partly.items()
         )
-
-
-def _is_settled(cases: Sequence[Case]) -> bool:
-    """Whether the studies state the lattice of the atoms; edited datasets may not."""
-    try:
-        return all(case.lattice is not None and case.block_layers > 0 for case in cases)
-    except InputError:
-        return False
 
 
 def _grouped(cases: Sequence[Case], key: Callable[[Case], Any]) -> Mapping[Any, list[Case]]:

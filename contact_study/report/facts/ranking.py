@@ -69,6 +69,11 @@ class Ranking:
     relations: tuple[str, ...]
     trapped: float
 
+    @property
+    def alone(self) -> bool:
+        """Whether one model stands beside the reference: there is nothing to rank."""
+        return len(self.distances) == 1
+
 
 def rank_models(
     models: Mapping[str, xr.Dataset], deviations: xr.Dataset, regime: xr.Dataset, reference: str | None = None
@@ -78,11 +83,11 @@ def rank_models(
     Returns
     -------
     list of Ranking
-        Empty with fewer than two models beside the reference, or without a state that all of them share.
+        Empty without a state that all of them share.
     """
     reference = reference or split_pair(deviations["pair"].values[0])[1]
     pairs = [pair for pair in deviations["pair"].values if split_pair(pair)[1] == reference]
-    if AREA not in deviations or len(pairs) < 2:
+    if AREA not in deviations:
         return []
     points = sweep_points(models)
     found = (_rank(deviations.sel(pair=pairs), point, scales(models, point).rms_height, regime) for point in points)
@@ -105,7 +110,7 @@ def _rank(deviations: xr.Dataset, point: SweepPoint, height: float, regime: xr.D
         return None
     part = part.where(part["state"] == COMPARED)
     area, gap = _magnitudes(part, AREA, 1.0), _magnitudes(part, GAP, height)
-    if len(area) < 2:
+    if not area:
         return None
     known = np.isfinite(list(area.values())).all(axis=0)
     own = {name: (area[name][known], gap.get(name, np.full(known.shape, np.nan))[known]) for name in area}
@@ -122,7 +127,7 @@ def _rank(deviations: xr.Dataset, point: SweepPoint, height: float, regime: xr.D
         at=point.label,
         states=int(shared.any(samples_in(shared)).sum()),
         surfaces=int(known.sum()),
-        distances=tuple(Distance(name, *_mean(own[name][0]), *_mean(own[name][1])) for name in names),
+        distances=tuple(Distance(name, *mean_and_error(own[name][0]), *mean_and_error(own[name][1])) for name in names),
         relations=tuple(_relation(own[one], own[other]) for one, other in pairwise(names)) if known.sum() > 1 else (),
         trapped=ratio if ratio >= TRAPPING else 0.0,
     )
@@ -141,7 +146,7 @@ def _magnitudes(deviations: xr.Dataset, name: str, unit: float) -> dict[str, np.
     return {split_pair(pair)[0]: row for pair, row in zip(shared["pair"].values, rows, strict=True)}
 
 
-def _mean(samples: np.ndarray) -> tuple[float, float]:
+def mean_and_error(samples: np.ndarray) -> tuple[float, float]:
     """Mean over surfaces and its standard error."""
     known = samples[np.isfinite(samples)]
     error = float(known.std(ddof=1) / np.sqrt(known.size)) if known.size > 1 else np.nan
@@ -152,7 +157,7 @@ def _signs(one: _Magnitudes, other: _Magnitudes) -> list[int]:
     """For area and gap: 1 where the ensemble finds the first model nearer, −1 the other one, 0 neither."""
     signs = []
     for mine, theirs in zip(one, other, strict=True):
-        difference, error = _mean(theirs - mine)
+        difference, error = mean_and_error(theirs - mine)
         allowed = stdtrit(max(np.isfinite(theirs - mine).sum() - 1, 1), 0.5 * (1 + CONFIDENCE)) * error
         signs.append(int(np.sign(difference)) if abs(difference) > allowed else 0)
     return signs

@@ -76,21 +76,21 @@ def _paper_points(path: list[PathPoint], contact_modulus: float) -> list[tuple[P
     return chosen
 
 
-def point_label(named: PathPoint, units: Scales, control: str) -> str:
-    """A point of the path of one point of the sweep, in the figures' units."""
+def point_label(named: PathPoint, units: Scales, control: str, reduced: bool = False) -> str:
+    """A point of the path of one point of the sweep."""
+    symbol, value = PRESCRIBED[control], _value(named)
+    if not reduced:
+        return f"{symbol} = {pressure(value) if control == 'pressure' else length(value)}"
     if control == "pressure":
-        return f"p/E* = {number(_value(named) / units.contact_modulus, 4)}"
-    symbol = "h_rms" if units.rough else "nm"
-    return f"{PRESCRIBED[control]}/{symbol} = {number(_value(named) / units.rms_height, 3)}"
+        return f"p/E* = {number(value / units.contact_modulus, 4)}"
+    return f"{symbol}/{units.height_symbol} = {number(value / units.rms_height, 3)}"
 
 
-def common_label(models: Mapping[str, xr.Dataset], named: PathPoint, control: str) -> str:
-    """A point of the path for the whole sweep: in the figures' units where these are one for all, else in its own."""
+def common_label(models: Mapping[str, xr.Dataset], named: PathPoint, control: str, reduced: bool = False) -> str:
+    """A point of the path for the whole sweep; reduced where the unit is one for all of it."""
     one_modulus, one_height = common_scales(models)
-    if one_modulus if control == "pressure" else one_height:
-        return point_label(named, scales(models, sweep_points(models)[0]), control)
-    value = _value(named)
-    return f"{PRESCRIBED[control]} = {pressure(value) if control == 'pressure' else length(value)}"
+    one = one_modulus if control == "pressure" else one_height
+    return point_label(named, scales(models, sweep_points(models)[0]), control, reduced and one)
 
 
 def state_label(point: SweepPoint, words: str) -> str:

@@ -1,6 +1,7 @@
 """Templates of the report, which turn facts into text and HTML."""
 
 import re
+from dataclasses import dataclass
 from typing import Any
 
 import jinja2
@@ -11,8 +12,23 @@ from contact_study.report.models import entry_of
 from contact_study.report.text import wording
 
 # Symbols whose subscripts are set as such; study text is full of underscores that are none.
+_COLUMN = 400.0  # points: more than one column of a figure
 _SUBSCRIPTS = re.compile(r"\b(h|U|σ|d|q)_(rms|full|max|eq|L|a)\b")
-_BEFORE_UNITS = re.compile(r" (?=%|\(?GPa|h_rms|Å|nm\b|ε₀)")
+_BEFORE_UNITS = re.compile(r" (?=%|\(?[kMG]?Pa\b|h_rms|Å|[nµ]m\b|ε₀)")
+
+
+@dataclass(frozen=True)
+class Both:
+    """Words in physical and in reduced units, of which a page shows one."""
+
+    physical: str
+    reduced: str
+
+    def __html__(self) -> str:
+        return f'<span class="si">{_symbols(self.physical)}</span><span class="rd">{_symbols(self.reduced)}</span>'
+
+    def __str__(self) -> str:
+        return self.physical
 
 
 def render(template: str, **values: Any) -> str:
@@ -45,15 +61,35 @@ def _environment(autoescape: bool) -> jinja2.Environment:
         lstrip_blocks=autoescape,
         undefined=jinja2.StrictUndefined,
     )
-    names = ("number", "fixed", "percent", "percent_of", "listed", "listed_points", "varied", "modulus")
+    names = (
+        "number",
+        "fixed",
+        "percent",
+        "percent_of",
+        "listed",
+        "listed_points",
+        "varied",
+        "modulus",
+        "pressure",
+        "force",
+    )
     environment.filters |= {name: getattr(wording, name) for name in names}
-    environment.filters |= {"symbols": _symbols, "sentence": capitalised, "error": wording.with_error}
+    environment.filters |= {"symbols": _symbols, "drawn": _drawn, "sentence": capitalised, "error": wording.with_error}
     environment.filters |= {"words": lambda name: entry_of(name).words, "label": lambda name: entry_of(name).label}
     environment.filters |= {"metres": wording.length, "lookup": lambda key, table: table[key]}
     environment.globals["meV"] = quantity("1 meV", "J", "well_depth")
     return environment
 
 
-def _symbols(text: str) -> Markup:
+def _drawn(svg: str, title: str) -> Markup:
+    """An SVG element with its title for readers of screens; one of a single column is narrow."""
+    width = float(svg.partition('width="')[2].partition("pt")[0])
+    kind = ' class="narrow"' if width < _COLUMN else ""
+    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"{kind}', 1))
+
+
+def _symbols(text: str | Both) -> Markup:
+    if isinstance(text, Both):
+        return Markup(text.__html__())
     unbroken = _BEFORE_UNITS.sub("\u00a0", str(escape(text)))
     return Markup(_SUBSCRIPTS.sub(r"\1<sub>\2</sub>", unbroken))

@@ -62,10 +62,26 @@ def modulus(value: float) -> str:
     return f"{number(value / unit.size, 5)} {unit.name}"
 
 
-def pressure(value: float) -> str:
+def pressure(value: float, digits: int = 6) -> str:
     """A pressure in the unit that suits it."""
     unit = pressure_unit(abs(value))
-    return f"{number(value / unit.size, 6)} {unit.name}"
+    return f"{number(value / unit.size, digits)} {unit.name}"
+
+
+def force(value: float) -> str:
+    """A force to four digits, in newtons, or in nN or µN or mN."""
+    for name, size in (("nN", 1e-9), ("µN", 1e-6), ("mN", 1e-3)):
+        if abs(value) < 1e3 * size:
+            return f"{number(value / size, 4)} {name}"
+    return f"{number(value, 4)} N"
+
+
+def span(low: str, high: str) -> str:
+    """Two numbers with a unit as the ends of a range, the unit once where it is the same."""
+    (first, _, unit), (last, _, other) = low.rpartition(" "), high.rpartition(" ")
+    if low == high:
+        return high
+    return f"{first} to {last} {unit}" if unit == other and first and last else f"{low} to {high}"
 
 
 PRESCRIBED = {"pressure": "p", "gap": "ū", "approach": "δ"}

@@ -1,4 +1,4 @@
-"""Figures of one state, of pictures that ``contact_study.plots`` draws."""
+"""Figures of one state, composed of the pictures of this package."""
 
 from collections.abc import Mapping
 
@@ -7,51 +7,38 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contact_study import plots
+from contact_study.plots.panels import panel_heading, typeset
 from contact_study.plots.selection import extent
 from contact_study.plots.style import DOUBLE, SINGLE, styled
-from contact_study.report.figures.legends import panel_heading
-from contact_study.report.figures.style import typeset
-from contact_study.report.models import entry_of
 
 _FRAME, _BAR = 0.75, 0.95  # inches around a map, and for the bar of colours
 
 
 @styled
-def gap_map_figure(states: Mapping[str, xr.Dataset], words: str = "") -> Figure:
-    """Local gap of each simulation in one state, contact in black, at the true proportions of the cell.
-
-    Parameters
-    ----------
-    states : mapping
-        Gap and contact distance (m) on the cell, by the name of the model's entry.
-    words : str
-        The state.
-    """
+def gap_maps(states: Mapping[str, xr.Dataset], words: str = "") -> Figure:
+    """Local gap of several models in one state, contact in black, by the label of the model."""
     height, width = extent(next(iter(states.values())))
-    rows, columns, across = _arrangement(len(states), height / width)
-    size = columns * across + _FRAME + _BAR, max(rows * (across * height / width + 0.25) + _FRAME, 2.2)
+    count, aspect = len(states), height / width
+    across, rows, columns = (DOUBLE if count > 1 else SINGLE + 1.2) - _FRAME - _BAR, 1, count
+    if count > 1 and aspect < 0.5:
+        rows, columns = count, 1
+    else:
+        across = min(across / count, 5.5 / aspect)
+    size = columns * across + _FRAME + _BAR, max(rows * (across * aspect + 0.25) + _FRAME, 2.2)
     figure = Figure(figsize=size, layout="constrained")
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     top = max(float(state["gap"].max()) for state in states.values())
-    for axes, (model, state) in zip(panels.ravel(), states.items(), strict=True):
+    for axes, (label, state) in zip(panels.ravel(), states.items(), strict=True):
         plots.gap_map(state, axes, top=top, bar=list(panels.ravel()) if axes is panels[-1, -1] else None)
-        axes.set_title(entry_of(model).label, fontsize=8.5)
+        axes.set_title(label, fontsize=8.5)
         axes.label_outer()
     if words:
         figure.suptitle(typeset(words), fontsize=8.5)
     return figure
 
 
-def _arrangement(count: int, aspect: float) -> tuple[int, int, float]:
-    """Rows and columns of the maps and the width of one (inches): side by side, wide cells above one another."""
-    if count > 1 and aspect < 0.5:
-        return count, 1, DOUBLE - _FRAME - _BAR
-    across = DOUBLE if count > 1 else SINGLE + 1.2
-    return 1, count, min((across - _FRAME - _BAR) / count, 5.5 / aspect)
-
-
 @styled
-def interface_figure(state: xr.Dataset, words: str = "") -> Figure:
+def interface(state: xr.Dataset, words: str = "") -> Figure:
     """Pressure (a) and contact clusters (b) of a state, and a section through its highest point (c)."""
     figure = Figure(figsize=(DOUBLE, 5.2), layout="constrained")
     panels: dict[str, Axes] = figure.subplot_mosaic([["a", "b"], ["c", "c"]], height_ratios=[2.6, 1])
@@ -64,7 +51,7 @@ def interface_figure(state: xr.Dataset, words: str = "") -> Figure:
 
 
 @styled
-def atoms_figure(state: xr.Dataset, words: str = "") -> Figure:
+def atom_section(state: xr.Dataset, words: str = "") -> Figure:
     """Section through the bottom layer's atoms over the substrate's sites, where tension is largest."""
     figure = Figure(figsize=(DOUBLE, 2.2), layout="constrained")
     plots.atoms(state, axes=figure.subplots())
@@ -74,7 +61,7 @@ def atoms_figure(state: xr.Dataset, words: str = "") -> Figure:
 
 
 @styled
-def magnification_figure(states: xr.Dataset, mapped: xr.Dataset, words: str = "", named: str = "") -> Figure:
+def magnification(states: xr.Dataset, mapped: xr.Dataset, words: str = "", named: str = "") -> Figure:
     """Area (a), detachment stress (b) and work of adhesion (c) of the states, P(σ, ζ) of one (d) if it was kept."""
     with_map = "pressure_pdf_at" in mapped
     figure = Figure(figsize=(DOUBLE, 5.2 if with_map else 2.7), layout="constrained")
@@ -82,8 +69,8 @@ def magnification_figure(states: xr.Dataset, mapped: xr.Dataset, words: str = ""
     plots.area_by_magnification(states, panels["a"])
     plots.detachment_stress(states, panels["b"])
     plots.effective_work_of_adhesion(states, panels["c"])
-    legends = {letter: panels[letter].get_legend() for letter in "abc"}
-    for letter, legend in legends.items():
+    for letter in "abc":
+        legend = panels[letter].get_legend()
         if legend is not None and letter != "a":
             legend.remove()
         for text in legend.get_texts() if legend is not None else ():
@@ -92,4 +79,24 @@ def magnification_figure(states: xr.Dataset, mapped: xr.Dataset, words: str = ""
         plots.stress_by_magnification(mapped, panels["d"])
     for letter, axes in panels.items():
         panel_heading(axes, letter, {"a": words, "d": named}.get(letter, ""))
+    return figure
+
+
+@styled
+def loops(cycles: Mapping[str, xr.Dataset]) -> Figure:
+    """Loading and unloading of several points of a sweep, side by side, by their labels."""
+    shown = dict(list(cycles.items())[:3])
+    figure = Figure(figsize=(DOUBLE if len(shown) > 1 else SINGLE + 0.6, 3.6), layout="constrained")
+    for axes, (label, cycle) in zip(figure.subplots(1, len(shown), squeeze=False)[0], shown.items(), strict=True):
+        plots.hysteresis_loop(cycle, axes)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))
+        axes.set_title(typeset(label), fontsize=8.5)
+    return figure
+
+
+@styled
+def criteria(theory: xr.Dataset) -> Figure:
+    """The contact among the criteria of sticking."""
+    figure = Figure(figsize=(DOUBLE, 3.2), layout="constrained")
+    plots.criteria_map(theory, figure.subplots())
     return figure

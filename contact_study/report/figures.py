@@ -1,0 +1,212 @@
+"""The figures of one comparison with their captions: states are chosen, read and drawn by ``contact_study.plots``."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from contact_study.plots import composites
+from contact_study.plots.panels import STATE_COLOURS, Panel, panels_figure, saved
+from contact_study.plots.style import COLOURS, length_unit, pressure_unit
+from contact_study.report.align import curves, states
+from contact_study.report.align.cases import sweep_points
+from contact_study.report.align.scales import Scales, scales
+from contact_study.report.facts.captions import captions
+from contact_study.report.facts.loops import cycles
+from contact_study.report.facts.shown_states import common_label, panel_points, point_label, state_label
+from contact_study.report.models import entry_of
+from contact_study.report.read.datasets import Inputs
+from contact_study.report.read.scatter import Scatter
+
+_ROW = 3  # states in compression from which a curve is worth logarithmic axes
+_DENSITIES = {
+    "pressure": ("stress_distribution", r"stress $\sigma", r"P(\sigma)"),
+    "gap": ("gap_distribution", r"gap $u", "P(u)"),
+}
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures of a report.
+
+    Attributes
+    ----------
+    pages : dict
+        SVG elements by name, with physical units and with reduced ones, or the one for both.
+    captions : dict of str
+        Captions by name.
+    files : dict
+        Files by format and name.
+    """
+
+    pages: dict[str, list[str]] = field(default_factory=dict)
+    captions: dict[str, str] = field(default_factory=dict)
+    files: dict[str, dict[str, bytes]] = field(default_factory=dict)
+
+
+def draw(
+    inputs: Inputs,
+    wanted: float | None = None,
+    formats: Sequence[str] = (),
+    scatter: Scatter | None = None,
+    page: bool = True,
+) -> Figures:
+    """Draw every figure that these datasets allow; theories are shown with the first spectrum of their study.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        What is compared.
+    wanted : float, optional
+        Pressure (Pa) at which the whole sweep is shown; the nearest one of the path is taken.
+    formats : sequence of str
+        Formats of files: physical units of contact areas, reduced ones of all else.
+    scatter : Scatter, optional
+        Realisations whose scatter is shown behind the models.
+    page : bool
+        Whether the elements of a page are drawn, too.
+    """
+    inputs = inputs.with_first_spectra
+    models, control = inputs.models, inputs.control
+    shown = panel_points(models, control, wanted)
+    scale = scales(models, shown.case)
+    makers: dict[str, Callable[[bool], Figure]] = {}
+    for quantity, (name, *_) in _DENSITIES.items():
+        if any(panel.curves for panel in _density_panels(inputs, shown, quantity, True)):
+            makers[name] = partial(_densities, inputs, shown, quantity)
+    makers["contact_area"] = partial(_areas, inputs, scatter)
+    if any("mean_gap" in dataset and dataset["mean_gap"].notnull().any() for dataset in models.values()):
+        makers["mean_gap"] = partial(_gaps, inputs, scatter)
+    state = state_label(shown.case, point_label(shown.common, scale, control))
+    place = inputs, shown.case, shown.common, (sample := _first_sample(inputs))
+    fixed: dict[str, Figure] = {}
+    if maps := states.read_gaps(*place):
+        fixed["gap_map"] = composites.gap_maps({entry_of(name).label: own for name, own in maps.items()}, state)
+        interface = states.read_interface(*place)
+        if interface is not None:
+            fixed["interface"] = composites.interface(interface, state)
+    zoomed = states.read_magnification(*place)
+    if zoomed is not None:
+        named = common_label(models, shown.common, control), shown.case.label
+        fixed["magnification"] = composites.magnification(*zoomed, *named)
+    atoms = states.read_atoms(*place)
+    if atoms is not None:
+        fixed["atoms"] = composites.atom_section(atoms, state)
+    if found := cycles(inputs):
+        fixed["loop"] = composites.loops(found)
+    theory = next((own for own in models.values() if "persson_tosatti_ratio" in own), None)
+    if theory is not None and np.isfinite(theory["finest_tabor_number"]).any():
+        fixed["criteria"] = composites.criteria(theory)
+    drawn = {name: [make(False), make(True)] for name, make in makers.items()}
+    drawn |= {name: [figure] for name, figure in fixed.items()}
+    across = curves.pressure_axis(models, False)
+    banded = {band.look.label for band in curves.path_bands(inputs.branches, models, across, curves.AREA)}
+    files = {
+        kind: {name: saved(own[0 if name == "contact_area" else -1], kind) for name, own in drawn.items()}
+        for kind in formats
+    }
+    pages = {
+        name: [saved(figure, "page", f"{name}{number}").decode() for number, figure in enumerate(own)]
+        for name, own in (drawn if page else {}).items()
+    }
+    return Figures(pages, captions(inputs, shown, sample, banded, scatter), files)
+
+
+def _areas(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
+    """Contact area against mean pressure, linear and logarithmic; no second panel without compression."""
+    across = curves.pressure_axis(inputs.models, reduced)
+    made = curves.path_curves(inputs.models, inputs.control, across, curves.AREA)
+    compressed = any(((curve.x > 0) & (curve.y > 0)).sum() >= _ROW for curve in made)
+    panels = [
+        Panel(
+            made,
+            across.label,
+            curves.AREA.label,
+            kind,
+            bands=curves.path_bands(inputs.branches, inputs.models, across, curves.AREA),
+            strips=_strips(inputs, scatter, across, curves.AREA),
+        )
+        for kind in ("linear", "loglog")[: 1 + compressed]
+    ]
+    differ = len({law.counts_as_contact for law in inputs.laws}) > 1
+    meanings = "; ".join(f"{law.title}: {law.counts_as_contact}" for law in inputs.laws)
+    return panels_figure(panels, _strip_words(scatter), f"contact by {meanings}" if differ else "", height=4.2)
+
+
+def _gaps(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
+    """Pressure against mean gap: logarithmic where there is compression, linear where there is tension."""
+    across, up = curves.gap_axis(inputs.models, reduced), curves.pressure_axis(inputs.models, reduced)
+    made = curves.path_curves(inputs.models, inputs.control, across, up)
+    there = {"log": any((curve.y[curve.finite] > 0).sum() >= _ROW for curve in made)}
+    there["linear"] = any((curve.y[curve.finite] < 0).any() for curve in made) or not there["log"]
+    panels = [
+        Panel(
+            made,
+            across.label,
+            up.label,
+            kind,
+            bands=curves.path_bands(inputs.branches, inputs.models, up, across),
+            strips=_strips(inputs, scatter, across, up),
+            upright=True,
+        )
+        for kind in there
+        if there[kind]
+    ]
+    return panels_figure(panels, _strip_words(scatter), height=3.9)
+
+
+def _strips(inputs: Inputs, scatter: Scatter | None, across: curves.Axis, up: curves.Axis) -> list[Any]:
+    return [] if scatter is None else curves.scatter_strips(inputs.models, scatter, inputs.control, across, up)
+
+
+def _strip_words(scatter: Scatter | None) -> str:
+    return f"{entry_of(scatter.model).label}, {scatter.surfaces} surfaces" if scatter else ""
+
+
+def _densities(inputs: Inputs, shown: Any, quantity: str, reduced: bool) -> Figure:
+    return panels_figure(_density_panels(inputs, shown, quantity, reduced))
+
+
+def _density_panels(inputs: Inputs, shown: Any, quantity: str, reduced: bool) -> list[Panel]:
+    """Distributions over the sweep (a) and over the path of one of its points (b)."""
+    models, control = inputs.models, inputs.control
+    scale = scales(models, shown.case)
+    _, symbol, density = _DENSITIES[quantity]
+    if quantity == "pressure":
+        unit, reference = pressure_unit(0.1 * scale.contact_modulus), "E^*"
+    else:
+        unit, reference = length_unit(scale.rms_height), r"h_\mathrm{rms}"
+    if reduced and (scale.rough or quantity == "pressure"):
+        labels = f"{symbol}/{reference}$", rf"density ${density}\,{reference}$"
+    else:
+        labels = f"{symbol}$ ({unit.name})", f"density ${density}$ (1/{unit.name})"
+
+    def unit_of(own: Scales) -> float:
+        if not reduced or not (own.rough or quantity == "pressure"):
+            return unit.size
+        return own.contact_modulus if quantity == "pressure" else own.rms_height
+
+    over_sweep = [(point, shown.common, point.label) for point in sweep_points(models)]
+    over_path = [(shown.case, named, point_label(named, scale, control, reduced)) for named in shown.several]
+    headings = common_label(models, shown.common, control, reduced), shown.case.label
+    return [
+        Panel(
+            curves.distributions(models, control, quantity, which, unit_of),
+            *labels,
+            "log",
+            heading,
+            densities=True,
+            colours=colours,
+        )
+        for which, heading, colours in ((over_sweep, headings[0], COLOURS), (over_path, headings[1], STATE_COLOURS))
+    ]
+
+
+def _first_sample(inputs: Inputs) -> Any:
+    """The first seed, or value of what else is averaged over, that all models have which sweep it; None without."""
+    name = inputs.average
+    swept = [dataset[name].values.tolist() for dataset in inputs.models.values() if name in dataset.dims]
+    return next((value for value in swept[0] if all(value in other for other in swept)), None) if swept else None

@@ -1,4 +1,0 @@
-"""Figures of a comparison, composed of pictures that ``contact_study.plots`` draws.
-
-Captions are facts and their templates.
-"""

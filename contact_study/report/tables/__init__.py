@@ -1,1 +1,0 @@
-"""Tables of a report, as text in rows and columns."""

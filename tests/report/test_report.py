@@ -1,0 +1,321 @@
+"""The numbers of the report: tiles, tables, changes along the sweep; of comparisons and of one dataset."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.inputs.errors import InputError
+from contact_study.plots.hysteresis import dissipated_energy
+from contact_study.report import tables
+from contact_study.report.align.cases import Series, series
+from contact_study.report.align.deviations import compute_deviations, pairs_of
+from contact_study.report.align.regime import compute_regime
+from contact_study.report.align.scales import scales, sweep_points
+from contact_study.report.facts import overview
+from contact_study.report.facts.differences import differences
+from contact_study.report.facts.loops import cycles, loops
+from contact_study.report.facts.ranking import rank_models
+from contact_study.report.read.datasets import read_inputs
+from tests.report import synthetic
+from tests.report.panels import run, text_of
+from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, MODULUS, area, gap, read, write, write_all
+
+# A roughness that is no power of ten: a gap in nanometres, or in metres, is told from one in units of h_rms.
+STUDY, GAP_STUDY, SEEDED = (
+    text.replace('rms_height = "10 angstrom"', 'rms_height = "7 angstrom"')
+    for text in (synthetic.STUDY, synthetic.GAP_STUDY, synthetic.SEEDED)
+)
+SINGLE = STUDY[: STUDY.index("[sweep]")]
+LOOP = SINGLE.replace("[output]", "unload = true\n[output]")
+H_RMS = 7e-10
+SEEDS = np.array([1, 2, 3])
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    return read_inputs(write_all(tmp_path_factory.mktemp("tables"), STUDY))
+
+
+def reported(folder, *paths, options=()):
+    """Exit status and words of the report."""
+    status = run(*paths, "-o", folder / "out.nc", "--report", folder / "report.html", *options)
+    return status, text_of((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def words(value, decimals, plus=False):
+    return f"{value:{'+' if plus else ''}z.{decimals}f}".replace("-", "−")
+
+
+def cells(table, **wanted):
+    """Cells by head of the one row whose cells are exported as given."""
+    heads = [column.export or str(column.head) for column in table.columns]
+    rows = [dict(zip(heads, row, strict=True)) for row in table.rows]
+    (row,) = [row for row in rows if all(row[head].value == value for head, value in wanted.items())]
+    return row
+
+
+def test_all_numbers_by_hand(inputs):
+    table = tables.all_numbers(inputs, compute_deviations(inputs.models, "pressure"))
+    assert len(table.rows) == 7 * len(AREA_FACTOR)
+    for pressure in (0.1e9, -0.4987e9, 0.7799e9, 5.8725e9):
+        for model, factor in AREA_FACTOR.items():
+            row = cells(table, well_depth_ratio=8.0, model=model, **{"applied_pressure (Pa)": pressure})
+            shown = row["applied_pressure (Pa)"].text
+            assert shown.physical == f"{pressure / 1e9:.5g}".replace("-", "−")
+            assert shown.reduced == f"{pressure / MODULUS:.4g}".replace("-", "−")
+            contact = factor * area(8, pressure)
+            assert row["relative_contact_area (1)"].text == words(contact, 4)
+            assert row["relative_contact_area (1)"].value == pytest.approx(contact, rel=1e-12)
+            if model == "persson" and pressure < 0:
+                assert row["mean_gap (m)"].text == "–"
+                continue
+            own = gap(8, pressure) + GAP_SHIFT[model]
+            assert row["mean_gap (m)"].text.reduced == words(own / H_RMS, 3)
+            assert row["mean_gap (m)"].text.physical == f"{own / 1e-10:.4g}".replace("-", "−")
+            assert row["state"].text == "converged"
+            if model == "atomistic":
+                continue
+            relative, shift = 100 * (factor / 0.9 - 1), GAP_SHIFT[model] - GAP_SHIFT["atomistic"]
+            area_cell, gap_cell = list(row.values())[-3:-1]
+            assert area_cell.text == f"{words(relative, 0 if abs(relative) >= 10 else 1, plus=True)} %"
+            assert gap_cell.text.reduced == words(shift / H_RMS, 3, plus=True)
+            assert gap_cell.text.physical == words(shift / 1e-10, 3, plus=True)
+            assert gap_cell.value == pytest.approx(shift, abs=1e-22)
+
+
+def test_prescribed_gaps_and_states_in_their_units(tmp_path):
+    held = read(tmp_path, GAP_STUDY)
+    table = tables.all_numbers(held, None)
+    head = table.columns[1]
+    assert (head.head.physical, head.head.reduced, head.export) == ("ū (nm)", "ū/h_rms", "applied_gap (m)")
+    shown = [row[1].text for row in table.rows if row[3].value == "atomistic" and row[0].value == 1.0]
+    assert [(own.physical, own.reduced) for own in shown] == [
+        *(("1", "1.429"), ("0.7", "1"), ("0.3", "0.4286"), ("0.2", "0.2857"))
+    ]
+    assert "mean_pressure (Pa)" in [column.export for column in table.columns]
+    ended = read(tmp_path, STUDY, ("continuum",), unconverged=[(0, 1), (1, 2)], detached=[(1, 2)])
+    states = [row[-1].text for row in tables.all_numbers(ended, None).rows]
+    assert states.count("not converged") == 1
+    assert states.count("detached") == 1
+    # Seven steps of seven iterations and half a second each.
+    (row,) = tables.effort_table(ended.models).rows
+    assert [cell.text for cell in row] == ["continuum", "7", "1", "1", "1.0e−09", "49", "4"]
+    assert overview.steps(ended.models) == overview.Steps(7, 1, 1, 1)
+
+
+def test_agreement_is_over_shared_states(tmp_path):
+    paths = [
+        write(tmp_path / "c.nc", "continuum", STUDY, unconverged=[(0, 0)]),
+        *(write(tmp_path / f"{kind}.nc", kind, STUDY) for kind in ("atomistic", "theory")),
+    ]
+    inputs = read_inputs(paths)
+    deviations = compute_deviations(inputs.models, "pressure")
+    # The theory is far off where the continuum has no state.
+    here = {"pair": "persson - atomistic", "well_depth_ratio": 1, "step": 0}
+    deviations["relative_contact_area_relative_deviation"].loc[here] = -0.87
+    rankings = rank_models(inputs.models, deviations, compute_regime(inputs))
+    table = tables.agreement_table(inputs, rankings)
+    rows = {row[0].text: row[1:] for row in table.rows}
+    assert [cell.text for cell in rows["continuum"]] == ["11 %", "11 %"]
+    assert [cell.text for cell in rows["Persson's theory"]] == ["44 %", "44 %"]
+    assert [cell.grade for cell in rows["Persson's theory"]] == ["poor", "poor"]
+    assert [cell.grade for cell in rows["continuum"]] == ["fair", "fair"]
+    gaps = {row[0].text: row[1:] for row in tables.agreement_table(inputs, rankings, gaps=True).rows}
+    assert [cell.text.reduced for cell in gaps["Persson's theory"]] == ["0.214 h_rms"] * 2
+    assert [cell.text.physical for cell in gaps["Persson's theory"]] == ["1.500 Å"] * 2
+    found = overview.agreement(inputs, deviations)
+    assert (found.model, found.reference, found.states) == ("continuum", "atomistic", 6)
+    assert found.worst == pytest.approx(1 / 9, rel=1e-9)
+    assert found.mean == pytest.approx(1 / 9, rel=1e-9)
+    assert list(overview.mean_distances(rankings)) == ["continuum", "gap_flow", "persson"]
+
+
+def test_material_and_regime_by_hand(inputs):
+    table = tables.constants_table(inputs.models)
+    heads = ["", "model", "E* (GPa)", "Δγ (J/m²)", "d_eq (Å)", "σ_max (GPa)", "h_rms (Å)", "rms gradient"]
+    assert [column.head for column in table.columns] == heads
+    case = inputs.cases[1]
+    texts = [[cell.text for cell in row] for row in table.rows]
+    (row,) = [row for row in texts if row[:2] == ["ε = 8 ε₀", "continuum"]]
+    slope = inputs.models["continuum"]["rms_slope"].values.max()
+    expected = (MODULUS / 1e9, case.work_of_adhesion, 3.28, case.law.peak_tensile_stress / 1e9, 7.0, slope)
+    assert row[2:] == [f"{value:.5g}" for value in expected]
+    # The gap-flow theory stands in the file of Persson's, whose constants are its own.
+    assert [row[1] for row in texts] == 2 * ["atoms", "continuum", "Persson's theory"]
+    regime = compute_regime(inputs)
+    table = tables.regime_table(inputs.models, regime)
+    assert table.columns[2].head == "process zone (nm)"
+    check = overview.grid_check(inputs, regime)
+    for row, ratio in zip(table.rows, (1, 8), strict=True):
+        zone = MODULUS * float(inputs.models["continuum"]["work_of_adhesion"].sel(well_depth_ratio=ratio))
+        zone /= float(inputs.models["continuum"]["peak_tensile_stress"].sel(well_depth_ratio=ratio)) ** 2
+        spacing = 416e-10 / 24 / zone
+        assert [cell.text for cell in row][2:4] == [f"{zone / 1e-9:.1f}", f"{spacing:.2f}"]
+        assert check.coarse[row[0].text] == pytest.approx(spacing)
+    assert check.points == 2
+    assert check.finest == pytest.approx(spacing)
+
+
+def test_a_finer_grid_is_proposed_and_one_that_suffices_is_not(inputs, tmp_path):
+    regime = compute_regime(inputs)
+    fine = regime.assign(pixel_over_process_zone=0.2 + 0 * regime["pixel_over_process_zone"])
+    assert not overview.grid_check(inputs, fine).coarse
+    zones = inputs.models["continuum"].assign(surface_size_y=104e-9, surface_size_x=52e-9)
+    wide = type(inputs)(inputs.paths, {"continuum": zones}, {}, inputs.studies)
+    at = regime.assign(process_zone=5.13e-10 + 0 * regime["process_zone"])
+    assert overview.grid_check(wide, at).shape == (864, 432)
+    assert overview.grid_check(read(tmp_path, STUDY, ("theory",)), regime) is None
+
+
+def test_errors_over_seeds_have_digits(tmp_path):
+    seeded = read(tmp_path, SEEDED, ("continuum", "atomistic"))
+    table = tables.all_numbers(seeded, compute_deviations(seeded.models, "pressure"))
+    row = cells(table, well_depth_ratio=1.0, model="atomistic", **{"applied_pressure (Pa)": 0.1e9})
+    values = 0.9 * area(1, 0.1e9, SEEDS)
+    assert row["relative_contact_area (1)"].value == pytest.approx(values.mean(), rel=1e-12)
+    error = row["relative_contact_area_standard_error (1)"].value
+    assert error == pytest.approx(values.std(ddof=1) / np.sqrt(3), rel=1e-9)
+    assert row["samples"].text == "3"
+    part = seeded.models["continuum"].isel(well_depth_ratio=0)
+    one = part["mean_gap"].isel(seed=0, drop=True)
+    rounded = part.assign(mean_gap=one * (1 + 1e-15 * part["seed"]))
+    assert np.isnan(series(rounded, "mean_gap").standard_error).all(), "rounding is no scatter"
+    found: Series = series(part.assign(mean_gap=one * (1 + 1e-6 * part["seed"])), "mean_gap")
+    np.testing.assert_allclose(found.standard_error[:3], one[:3] * 1e-6 / np.sqrt(3), rtol=1e-6)
+
+
+def test_changes_along_the_sweep_are_paired(tmp_path):
+    text = SINGLE + '[sweep]\n"surface.seed" = [1, 2, 3]\n"interaction.well_depth_ratio" = [1, 2, 8]\n'
+    found = differences(read(tmp_path, text, ("continuum",), unconverged=[(0, 2)]).models, "pressure")
+    assert [(one.before, one.after) for one in found] == [("ε = ε₀", "ε = 2 ε₀"), ("ε = 2 ε₀", "ε = 8 ε₀")]
+    pressure = np.array([0.1e9, 0.7799e9, 5.8725e9])
+    for one, (low, high), states in zip(found, ((1, 2), (2, 8)), (2, 3), strict=True):
+        assert (one.states, one.samples) == (states, 3), "a state that one sample lacks is left out"
+        change = (area(high, pressure, SEEDS[:, None]) - area(low, pressure, SEEDS[:, None]))[:, :states].mean(axis=1)
+        assert one.area == pytest.approx((change.mean(), change.std(ddof=1) / np.sqrt(3)), rel=1e-9)
+        change = (gap(high, pressure, SEEDS[:, None]) - gap(low, pressure, SEEDS[:, None]))[:, :states].mean(axis=1)
+        assert one.gap == pytest.approx((change.mean(), change.std(ddof=1) / np.sqrt(3)), rel=1e-9)
+    (alone,) = differences(
+        read(tmp_path, SINGLE + '[sweep]\n"interaction.well_depth_ratio" = [1, 2]\n').models, "pressure"
+    )[:1]
+    assert np.isnan(alone.area[1])
+    assert differences(read(tmp_path, SINGLE).models, "pressure") == []
+
+
+def test_loops_have_a_pull_off_or_none(tmp_path):
+    inputs = read(tmp_path, LOOP, ("continuum",))
+    (found,) = loops(inputs)
+    assert not found.reached
+    assert found.lowest == pytest.approx(0.1e9)
+    assert tables.pull_off_words(found, MODULUS).physical == "not reached down to 100 MPa"
+    assert loops(read(tmp_path, SINGLE, ("continuum",))) == []
+    separation = 1e-9 * np.array([3.0, 2.0, 1.0, 2.5, 3.5])
+    own = inputs.models["continuum"].assign(
+        mean_separation=("step", separation),
+        pull_off_pressure=-0.3e9,
+        pull_off_pressure_resolution_error=0.05e9,
+        surface_size_y=2e-8,
+        surface_size_x=1e-8,
+    )
+    inputs.models["continuum"] = own
+    (found,) = loops(inputs)
+    assert found.force == pytest.approx(-0.3e9 * 2e-16)
+    assert found.dissipated == pytest.approx(dissipated_energy(own))
+    assert list(cycles(inputs)) == [""]
+    assert tables.pull_off_words(found, MODULUS).physical == "−350 to −300 MPa"
+    row = [str(cell.text) for cell in tables.loop_table(inputs, [found]).rows[0]]
+    assert row[1:4] == ["continuum", "−350 to −300 MPa", "−60 nN"]
+
+
+@pytest.mark.usefixtures("unrendered")
+@pytest.mark.parametrize("kind", ["continuum", "atomistic", "theory"])
+def test_one_dataset_is_reported_on(tmp_path, kind):
+    status, text = reported(tmp_path, write(tmp_path / "one.nc", kind), options=("--figures", tmp_path / "figures"))
+    assert status == 0
+    with xr.open_datatree(tmp_path / "out.nc", decode_timedelta=False) as tree:
+        assert set(tree.groups) - {"/theory/metastable"} == {"/", f"/{kind}", "/regime"}
+    assert "Deviation" not in text
+    model, name = ("persson", "Persson's theory") if kind == "theory" else (kind, kind.replace("atomistic", "atoms"))
+    low, high = (100 * AREA_FACTOR[model] * area(*at) for at in ((1, 0.1e9), (8, 5.8725e9)))
+    assert f"Contact area, {name} {low:.1f} % → {high:.0f} % of the nominal area, 0.1 to 5.872 GPa" in text
+    assert "tile" not in text
+    drawn = {path.stem.partition("_")[2].partition("_")[2] for path in (tmp_path / "figures").iterdir()}
+    every = {"stress_distribution", "gap_distribution", "contact_area", "mean_gap"}
+    assert drawn == (every if kind == "theory" else {*every, "gap_map", "interface"})
+
+
+@pytest.mark.usefixtures("unrendered")
+def test_extents_are_of_converged_states_in_contact(tmp_path):
+    path = write(tmp_path / "one.nc", "continuum", unconverged=[(0, 0)], detached=[(1, 3)])
+    status, text = reported(tmp_path, path)
+    assert status == 2
+    found = [
+        overview.extent(read_inputs([path]).models, "continuum", name, "pressure")
+        for name in ("relative_contact_area", "mean_gap")
+    ]
+    assert (found[0].low, found[0].high) == pytest.approx((area(1, 0.7799e9), area(1, 5.8725e9)))
+    assert found[0].low_at[1] == pytest.approx(0.7799e9)
+    assert found[1].high == pytest.approx(gap(1, 0.7799e9))
+    assert "Solver 13 / 14 converged" not in text
+    assert "⚠ Solver 6 / 7 converged 1 step did not reach the tolerance" in text
+    assert "1 detached" in text
+
+
+@pytest.mark.usefixtures("unrendered")
+def test_one_theory_of_a_file_and_a_dataset_without_fields(tmp_path):
+    with xr.open_dataset(write(tmp_path / "t.nc", "theory"), decode_timedelta=False) as dataset:
+        dataset.sel(theory=["persson"]).to_netcdf(tmp_path / "cut.nc")
+        dataset.sel(theory="persson").to_netcdf(tmp_path / "scalar.nc")
+    for name in ("cut", "scalar"):
+        assert list(read_inputs([tmp_path / f"{name}.nc"]).models) == ["persson"]
+    status, text = reported(tmp_path, tmp_path / "cut.nc")
+    assert status == 0
+    assert "The area is its real contact area at the highest magnification." in text
+    assert "Local gap u" not in text
+    with xr.open_dataset(write(tmp_path / "c.nc", "continuum"), decode_timedelta=False) as dataset:
+        dataset.drop_vars(["gap", "pressure", "height", "y", "x"]).to_netcdf(tmp_path / "bare.nc")
+    assert run(tmp_path / "bare.nc", "-o", tmp_path / "bare_out.nc", "--figures", tmp_path / "bare") == 0
+    assert len(list((tmp_path / "bare").iterdir())) == 4
+
+
+def test_constants_of_swept_keys_are_the_models_own(tmp_path):
+    """Where h_rms is swept, gaps are in units of the roughness that the model has."""
+    text = synthetic.SINGLE + '[sweep]\n"surface.rms_height" = ["8 angstrom", "10 angstrom"]\n'
+    models = read(tmp_path, text.replace('"realised"', '"spectrum"'), ("continuum",)).models
+    realised = float(models["continuum"]["realised_rms_height"][0])
+    assert scales(models, sweep_points(models)[0]).rms_height == realised != pytest.approx(8e-10, rel=1e-3)
+
+
+@pytest.mark.usefixtures("unrendered")
+def test_two_datasets_of_one_model(tmp_path):
+    finer = STUDY.replace("shape = [24, 24]", "shape = [48, 48]")
+    paths = write(tmp_path / "coarse.nc", "continuum", STUDY), write(tmp_path / "fine.nc", "continuum", finer)
+    inputs = read_inputs(paths)
+    assert list(inputs.models) == ["continuum:coarse", "continuum:fine"]
+    assert "surface.shape is [24, 24] in the one and [48, 48] in the other" in "".join(inputs.notes)
+    status, text = reported(tmp_path, *paths)
+    assert status == 0
+    assert "Continuum (fine) and continuum (coarse) within 0.0 % in contact area" in text
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        write(tmp_path / name / "bem.nc", "continuum", STUDY if name == "a" else finer)
+    both = read_inputs([tmp_path / "a/bem.nc", tmp_path / "b/bem.nc"])
+    assert list(both.models) == ["continuum:a_bem", "continuum:b_bem"], "called after their folders"
+
+
+def test_datasets_of_one_run_are_refused(tmp_path):
+    paths = write(tmp_path / "one.nc", "continuum"), write(tmp_path / "copy.nc", "continuum")
+    with pytest.raises(InputError, match=r"both of the continuum model .* they cannot be distinguished"):
+        read_inputs(paths)
+    other = write(tmp_path / "other.nc", "continuum", git_commit="1" * 40)
+    assert len(read_inputs([paths[0], other]).models) == 2, "another version of the program"
+
+
+def test_who_is_compared_with_whom():
+    names = ["atomistic", "continuum:a", "continuum:b", "persson", "gap_flow"]
+    assert pairs_of(names) == [
+        *((name, "atomistic") for name in names[1:]),
+        *((name, "continuum:a") for name in names[2:]),
+        *((name, "continuum:b") for name in names[3:]),
+    ]
+    assert pairs_of(["persson", "gap_flow"]) == [], "neither theory is a reference"
