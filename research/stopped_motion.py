@@ -23,7 +23,7 @@ import xarray as xr
 
 from contact_study.study.study import Study, make_study, read_study
 from md_reference.study.dynamics import build_block, time_step
-from scripts.harness import Option, program, show, shrunk
+from scripts.harness import RUN, Option, program, show, shrunk
 
 _LONG = 10**5  # time steps of a long run
 _OF_THE_RUN = ("wall_time",)  # differs from run to run, as nothing else may
@@ -38,7 +38,7 @@ def run(given: argparse.Namespace) -> int:
         folder = Path(name)
         study = folder / "study.toml"
         study.write_text(tomli_w.dumps(table), encoding="utf-8")
-        command = [sys.executable, "-m", "md_reference.study.model", str(study), "-o"]
+        command = [*RUN, str(study), "--model", "atoms", "-o"]
         run_quietly([*command, str(folder / "whole.nc")])
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = stopped([*command, str(folder / "stopped.nc")], folder)

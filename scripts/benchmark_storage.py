@@ -23,7 +23,7 @@ from contact_study.campaign.store.case_file import CaseWriter
 from contact_study.results.state import Step
 from contact_study.study.bins import bins_of
 from contact_study.study.study import Study, make_study, read_study
-from scripts.harness import STUDY, Option, children_time, processor_time, program
+from scripts.harness import RUN, STUDY, Option, children_time, processor_time, program
 
 RATIOS, PRESSURES = (1, 4, 8), np.geomspace(1e8, 1e10, 60)
 
@@ -53,7 +53,7 @@ def run_theory(study: Study, folder: Path, workers: int, flows: str) -> tuple[fl
     """Wall-clock and processor time of the command (s), its children included; and its dataset."""
     (folder / "study.toml").write_text(tomli_w.dumps(study.table))
     output = folder / "theory.nc"
-    command = [sys.executable, "-m", "theory.study.model", str(folder / "study.toml"), "-o", str(output)]
+    command = [*RUN, str(folder / "study.toml"), "--model", "theory", "-o", str(output)]
     before, began = children_time(), time.perf_counter()
     command += ["--workers", str(workers), "--theory.flows", flows]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)

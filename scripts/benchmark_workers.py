@@ -17,17 +17,11 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from scripts.harness import Option, children_time, program, show
-
-COMMANDS = {
-    "continuum": "bem_adhesion.study.model",
-    "atoms": "md_reference.study.model",
-    "theory": "theory.study.model",
-}
+from scripts.harness import RUN, Option, children_time, program, show
 
 
 def run(options: argparse.Namespace) -> None:
-    command = [sys.executable, "-m", COMMANDS[options.model], str(options.study), *options.keys]
+    command = [*RUN, str(options.study), "--model", options.model, *options.keys]
     (alone, of_one), (together, of_two) = measured(
         [*command, "--output.fields", "false", "--solver.threads", "1"], options.repeats
     )
@@ -50,7 +44,7 @@ def measured(command: Sequence[str], repeats: int) -> list[tuple[float, float]]:
 
 main = program(
     run,
-    Option("--model", "continuum", "", choices=tuple(COMMANDS)),
+    Option("--model", "continuum", "", choices=("continuum", "atoms", "theory")),
     Option("--repeats", 3, "runs of each (default 3)"),
     Option("study", Path, "a study of several cases"),
     Option("keys", str, "options of the command", nargs=argparse.REMAINDER, metavar="--section.key VALUE"),

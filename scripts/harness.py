@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from contact_study.study.study import Study
 
 ROOT = Path(__file__).resolve().parent.parent
+RUN = (str(Path(sys.executable).with_name("bem-adhesion")), "run")
 PAPER = Path("data/yang2008.toml")  # from the project's folder, where scripts run
 
 

@@ -123,7 +123,7 @@ def test_two_workers_against_one(monkeypatch, capsys):
     assert benchmark_workers.main(["--repeats", "2", "study.toml", "--surface.seed", "1,2"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "| continuum | 8 s | 2.00 | 1.12 |"
     assert len(runs) == 6
-    assert all(command[1:4] == ["-m", "bem_adhesion.study.model", "study.toml"] for command in runs)
+    assert all(command[1:5] == ["run", "study.toml", "--model", "continuum"] for command in runs)
     assert all("1,2" in command and "--solver.threads" in command for command in runs)
 
 

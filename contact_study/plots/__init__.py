@@ -39,3 +39,7 @@ __all__ = [
     "stress_distribution",
     "surface_spectrum",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -52,5 +52,5 @@ def check(study):
 
 if __name__ == "__main__":
     check(tomllib.loads(sys.argv[1]))
-    sys.argv = ["bem-adhesion", "--help"]
-    start.bem_adhesion()
+    for section in ("interaction", "surface", "elasticity"):
+        start.bem_adhesion(["keys", section])

@@ -14,8 +14,6 @@ from theory.persson.diffusion import StressDistribution, diffuse
 if TYPE_CHECKING:
     import xarray as xr
 
-    from theory.persson.theory import PerssonTheory
-
 
 @dataclass(frozen=True)
 class PerssonContact:
@@ -49,7 +47,7 @@ class PerssonContact:
     (1.0, True)
     """
 
-    theory: "PerssonTheory"
+    theory: Any  # PerssonTheory, which makes these states
     pressure: float
     detachment_stress: np.ndarray
     distribution: StressDistribution
