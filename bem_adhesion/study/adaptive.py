@@ -15,6 +15,7 @@ import numpy as np
 from bem_adhesion.contacts.rough_contact import Contact
 from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.study.state import separation_of
+from contact_study.numerics import life
 from contact_study.physics.solids import Elasticity
 from contact_study.results.path_results import UNACCOUNTED, lowest_between, unaccounted, undecided
 
@@ -94,6 +95,7 @@ def adaptive_step(
     earlier = None  # the state at the start of the last step
     pairs, iterations, torn = 0.0, 0, False
     while True:
+        life.beat()
         now = passed[-1]
         last = abs(length) >= abs(target - now.position)
         found = contact.step(state, target if last else now.position + length)

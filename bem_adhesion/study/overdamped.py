@@ -54,7 +54,9 @@ class OverdampedContact(AdhesiveContact):
     """
 
     def __init__(self, case: Case, surface: Surface, allowed: float):
-        super().__init__(surface.sampled, surface.grid, case.solid, case.law, **solver_options(case))
+        super().__init__(
+            surface.sampled, surface.grid, case.solid, case.law, **solver_options(case, surface.grid.points)
+        )
         self._case, self._spacing = case, surface.grid.spacing
         self._allowed = allowed / self._length
         self._pairs = self.levels.equivalent_pairs(self._grid)  # at the last count of the work

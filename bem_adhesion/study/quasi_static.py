@@ -26,7 +26,7 @@ def path_of_equilibria(
 ) -> Iterator[InterfaceState]:
     """Yield the equilibrium at each point of a case's path; parameters as for :func:`solve_path`."""
     kind = case.solid, case.law, case.elasticity.boundary, case.material.hardness
-    contact = contact_between(surface.sampled, surface.grid, *kind, **solver_options(case))
+    contact = contact_between(surface.sampled, surface.grid, *kind, **solver_options(case, surface.grid.points))
     state, ledger = contact.separated() if restart is None else restart["state"], None
     if restart is not None:
         ledger = EnergyLedger.of(restart["account"]) if "account" in restart else None

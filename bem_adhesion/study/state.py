@@ -4,17 +4,28 @@ from typing import Any
 
 import numpy as np
 
+from bem_adhesion.operators.trace import Progress
 from bem_adhesion.solution import Solution
+from contact_study.numerics import life
 from contact_study.physics.solids import Elasticity
 from contact_study.results.state import InterfaceState, SolverReport
 from contact_study.study.case import Case
 
+# Points of a grid from which on a solver's iterations are told; on smaller ones that would cost some per cent.
+_TRACED = 128**2
 
-def solver_options(case: Case) -> dict[str, Any]:
-    """Return the options of a contact that a case gives its solver."""
+
+def solver_options(case: Case, points: int) -> dict[str, Any]:
+    """Return the options of a contact of so many points that a case gives its solver."""
     given = case.solver
     limits = {"tolerance": given.tolerance, "max_iterations": given.max_iterations, "threads": max(1, given.threads)}
-    return {"control": case.loading.control, **limits}
+    return {"control": case.loading.control, "trace": _beat if points >= _TRACED else None, **limits}
+
+
+def _beat(progress: Progress) -> None:
+    """Pass on the beginning of an iteration."""
+    if progress.phase == "iteration":
+        life.beat(progress.residual)
 
 
 def separation_of(solution: Solution, solid: Elasticity) -> float:

@@ -50,7 +50,8 @@ def path_in_time(
     loading = case.loading
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study warns for all cases
-        contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, **solver_options(case))
+        options = solver_options(case, surface.grid.points)
+        contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, **options)
     if restart is None:
         out_of_reach = contact.first_gap - case.law.equilibrium_distance
         state, now = contact.separated(), TimeState(0.0 if loading.control == "pressure" else out_of_reach)

@@ -7,6 +7,9 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from typing import Any, TypeVar
 
+from contact_study.campaign.effort import duration
+
+_HALF_MINUTE = 30.0
 _SILENCE = 5.0  # seconds between lines while the program reads and writes
 
 T = TypeVar("T")
@@ -19,26 +22,33 @@ class Progress:
         self._name = name
         self._wording = wording
         self._bar: Any = None
-        self.total = self.done = 0
+        self.total = self.done = self._before = 0
+        self.expected = 0.0  # seconds that all unfinished steps usually take
+        self._began = self._quiet_since = time.monotonic()
 
     def _on_terminal(self) -> bool:
         return sys.stderr.isatty()
 
     def start(self, total: int, done: int) -> None:
         """Begin with ``done`` of ``total`` steps finished."""
-        self.total, self.done = total, done
+        self.total, self.done, self._before = total, done, done
+        self._began = self._quiet_since = time.monotonic()
         if self._on_terminal():
             from tqdm import tqdm  # slow to import
 
-            self._bar = tqdm(
-                total=total, initial=done, desc=self._name, unit="step", file=sys.stderr, dynamic_ncols=True
-            )
+            form = "{desc}: {n_fmt}/{total_fmt} steps [{elapsed}<{remaining}]{postfix}"
+            options = {"file": sys.stderr, "dynamic_ncols": True, "bar_format": form}
+            self._bar = tqdm(total=total, initial=done, desc=self._name, **options)
         if done:
             self.report(f"{done} of {total} steps were finished before")
 
-    def step(self, label: str, point: str, summary: dict[str, Any], seconds: float) -> None:
-        """Count one more finished step, at a point of the path of the case with this label."""
+    def step(self, label: str, point: str, summary: dict[str, Any], seconds: float | None) -> None:
+        """Count one more finished step, at a point of the path of the case with this label; without seconds it runs."""
+        if seconds is None:
+            self._show_life(f"{label + ': ' if label else ''}{point}", summary)
+            return
         self.done += 1
+        self._quiet_since = time.monotonic()
         area = summary.get("relative_contact_area")
         text = f"{label + ': ' if label else ''}{point}"
         if summary.get("detached"):
@@ -52,6 +62,26 @@ class Progress:
             self._bar.update()
         else:
             self.report(f"[{self.done}/{self.total}] {text} ({seconds:.1f} s)")
+
+    def _show_life(self, where: str, summary: dict[str, Any]) -> None:
+        """Show the work on a step: always on a terminal, every half minute elsewhere."""
+        now = time.monotonic()
+        text = f"iteration {summary['iterations']}"
+        if summary["residual"] is not None:
+            text += f", residual {summary['residual']:.1e}"
+        text += f"{self._time_left(now)}; {where}"
+        if self._bar is not None:
+            self._bar.set_postfix_str(text)
+        elif now - self._quiet_since >= _HALF_MINUTE:
+            self._quiet_since = now
+            self.report(f"[{self.done}/{self.total}] at work: {text}")
+
+    def _time_left(self, now: float) -> str:
+        """Estimate the time for all steps: by those that this run has finished, before by what is usual."""
+        finished = self.done - self._before
+        spent = now - self._began
+        left = spent / finished * (self.total - self.done) if finished else self.expected - spent
+        return f", about {duration(left)} left" if left > 0 else ""
 
     def through(self, items: Collection[T], words: str) -> Iterator[T]:
         """Yield items one after the other; show their number if that takes long."""

@@ -1,5 +1,6 @@
 """A campaign: check a study, resume what earlier runs finished, run the other cases by an engine, write the dataset."""
 
+import math
 import os
 from collections.abc import Container, Mapping
 from dataclasses import dataclass, replace
@@ -14,6 +15,7 @@ from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assemble_cases, last_states
 from contact_study.campaign.dataset.predictor import check_predictor
 from contact_study.campaign.dataset.work_directory import WorkDirectory
+from contact_study.campaign.effort import seconds_of
 from contact_study.campaign.memory import require_at_once
 from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.progress import Progress
@@ -155,6 +157,8 @@ def _run_cases(
         workers = min(most, len(unfinished))
         # The number of threads follows from the whole study: a resumed run repeats the arithmetic.
         threads = max(1, cores // max(1, min(most, cases)))
+    usual = seconds_of(run.model.kind, [(run.study.cases[number], missing[number]) for number in unfinished])
+    progress.expected = math.sqrt(usual[0] * usual[1]) / max(1, workers) if usual else 0.0
     tasks = [partial(run_case, jobs[number], threads) for number in unfinished]
     try:
         engines.run(tasks, workers, progress.step, options.engine, options.scheduler)

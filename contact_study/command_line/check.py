@@ -64,16 +64,16 @@ def run(given: argparse.Namespace) -> int:
 
 def _judged(name: str, study: "Study") -> tuple[tuple[str, ...], list[str]]:
     """Return a model's row of the table and its warnings; raises InputError if it cannot run the study."""
+    from contact_study.campaign.effort import duration, seconds_of
     from contact_study.campaign.memory import in_words, require_at_once
     from contact_study.campaign.model import MODELS as MODELS_BY_KIND
     from contact_study.campaign.model import check_study
-    from contact_study.command_line.effort import duration, seconds_of
 
     model = MODELS_BY_KIND[MODELS[name]]
     _, notes = check_study(model, study)
     needs = [model.needs(case) for case in study.cases]
     require_at_once(needs, None)
-    found, remark = seconds_of(model.kind, study.cases), ""
+    found, remark = seconds_of(model.kind, [(case, len(case.path)) for case in study.cases]), ""
     if found is None:
         time, remark = "not known", "thermal motion: try one load step first"
     else:

@@ -16,6 +16,8 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
+from contact_study.numerics import life
+
 # A step whose error was e of what is allowed is followed, or replaced, by one _SAFETY e^(−1/2) times as long, within
 # these limits; one without solution is shortened.
 _SAFETY, _SMALLEST_GROWTH, _LARGEST_GROWTH, _NOT_FOUND = 0.9, 0.2, 3.0, 0.3
@@ -91,6 +93,7 @@ def at_rest(state: np.ndarray, load: float, pace: StepControl, time: float = 0.0
 def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: StepControl) -> Iterator[Instant[Found]]:
     """Bring the load to its target and wait for rest; yield every step, the last with a fate other than ``MOVING``."""
     while True:
+        life.beat()
         moved = _stepped(system, at, target, pace)
         if moved is None or moved.found is None:
             yield replace(at, fate=Status.STUCK)

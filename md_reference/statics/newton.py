@@ -9,6 +9,7 @@ everywhere at once, and the descent then follows a slow gradient flow.
 
 import numpy as np
 
+from contact_study.numerics import life
 from contact_study.numerics.balance import Excess
 from contact_study.numerics.inner_product import inner_product
 from md_reference.block.condensed import SurfaceStiffness
@@ -81,6 +82,7 @@ class EquilibriumSolver:
                 energy.refresh(at)
                 continue
             at.iteration += 1
+            life.beat(residual)
             light = excess.load > excess.residual and residual < _CLOSE
             step, raised = self._newton_step(at, gradient, residual, light)
             if energy.search(at, step, load, _EXPANSION * residual * energy.force_scale) < 1:

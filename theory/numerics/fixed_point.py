@@ -5,6 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
+from contact_study.numerics import life
+
 # Added to the normal equations of the least squares, relative to their trace: differences may be parallel.
 _REGULARISATION = 1e-12
 
@@ -37,6 +39,7 @@ def accelerated(
     products = np.empty((memory + 2, memory + 2))
     halvings = 0
     while tolerance < change < np.inf and count < iterations:
+        life.beat(change)
         shares: np.ndarray = np.zeros(held)
         if held:
             _weighted_products(turns[:held], weight.ravel(), residual.ravel(), products)

@@ -4,7 +4,7 @@ import socket
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from contact_study.campaign.record import content_hash
 from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from contact_study.campaign.worker.ensemble import Averages, restart_of
 from contact_study.inputs import plugins
+from contact_study.numerics import life
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
 from contact_study.results.constants import roughness_values
@@ -50,7 +51,8 @@ class Job:
 def run_case(job: Job, threads: int, report: Report) -> None:
     """Finish one case with ``threads`` of each transform, unless the study sets them.
 
-    ``report`` receives after each step the case's label, the point in words, a summary and the seconds it took.
+    ``report`` receives after each step the case's label, the point in words, a summary and the seconds it took; during
+    a long step the same with the solver's iterations and residual, and no seconds.
     """
     plugins.load()
     if not job.file.parent.is_dir():
@@ -63,7 +65,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
     if case.height_map is not None and content_hash(case.height_map) != job.height_map:
         raise CampaignError(f"{case.height_map} has changed while the study ran")
     kept = CaseWriter(job.file, len(case.path), case.output.restart)
-    with kept, _kept_warnings(case, kept) as keep_warnings:
+    with kept, _kept_warnings(case, kept) as keep_warnings, ExitStack() as listening:
         surface = realise(case)
         if not case.solver.threads:
             large = surface.grid.points >= getattr(model.code, "POINTS_FOR_THREADS", POINTS_FOR_THREADS)
@@ -87,6 +89,12 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             gaps = GapFields(job.predictor, case)
         extra = {"predictor": gaps} if model.takes_predictor else {}
         points = model.code.solve_path(case, surface, restart=restart, start=start, **extra)
+        working = start
+
+        def alive(iterations: int, residual: float | None) -> None:
+            report(case.label, case.point_in_words(working), {"iterations": iterations, "residual": residual}, None)
+
+        listening.enter_context(life.listening(alive))
         began = time.perf_counter()
         for number, point in enumerate(points, start):
             seconds = time.perf_counter() - began
@@ -98,6 +106,8 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             started = {} if gaps is None else {"predictor_field": gaps.fingerprint(number)}
             kept.save_step(number, _completed(case, number, step, seconds, started))
             report(case.label, case.point_in_words(number), _summary(step), seconds)
+            working = min(number + 1, len(case.path) - 1)
+            life.restart()
             began = time.perf_counter()
 
 
@@ -125,6 +135,7 @@ def _recorded(
             kept.save_partial(number, averages.kept)
             saved = time.monotonic()
         averages.add(state)
+        life.beat()
         counted = True
     return averages.step()
 

@@ -1,5 +1,6 @@
 """How long a load step takes, roughly, from what was measured; docs/performance.md explains the measurements."""
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -33,12 +34,12 @@ def seconds_per_step(kind: str, case: "Case") -> tuple[float, float] | None:
     return low * points * factor, high * points * factor
 
 
-def seconds_of(kind: str, cases: "tuple[Case, ...]") -> tuple[float, float] | None:
-    """Return the processor time of all steps of all cases, as :func:`seconds_per_step`."""
-    each = [(len(case.path), seconds_per_step(kind, case)) for case in cases]
+def seconds_of(kind: str, steps: "Iterable[tuple[Case, int]]") -> tuple[float, float] | None:
+    """Return the processor time of so many steps of each case, as :func:`seconds_per_step`."""
+    each = [(number, seconds_per_step(kind, case)) for case, number in steps]
     if any(found is None for _, found in each):
         return None
-    low, high = (sum(steps * found[end] for steps, found in each if found) for end in (0, 1))
+    low, high = (sum(number * found[end] for number, found in each if found) for end in (0, 1))
     return low, high
 
 
