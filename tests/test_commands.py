@@ -1,4 +1,4 @@
-"""The four commands on one small study, as a user would run them."""
+"""The verbs on one small study, as a user would run them."""
 
 import os
 import subprocess
@@ -48,7 +48,7 @@ fields = true
 when = { "interaction.well_depth_ratio" = 4 }
 "loading.path" = ["0.5 GPa", "-0.2 GPa", "2 GPa"]
 """
-MODELS = {"bem": "bem-adhesion", "md": "md-reference", "theory": "persson-theory"}
+MODELS = {"bem": "continuum", "md": "atoms", "theory": "theory"}
 
 
 def command(name, *arguments):
@@ -61,23 +61,15 @@ def folder(tmp_path_factory):
     """A folder with the datasets of all models and their comparison."""
     folder = tmp_path_factory.mktemp("chain")
     (folder / "study.toml").write_text(STUDY)
-    for name, executable in MODELS.items():
-        predictor = ["--predictor", folder / "bem.nc"] if name == "md" else []
+    for name, model in MODELS.items():
+        start = ["--start-from", folder / "bem.nc"] if name == "md" else []
         # Two cases as small as these are done before a second process has started.
-        done = command(executable, folder / "study.toml", "-o", folder / f"{name}.nc", "--workers", 1, *predictor)
+        given = ["run", folder / "study.toml", "-o", folder / f"{name}.nc", "--model", model, "--workers", 1, *start]
+        done = command("bem-adhesion", *given)
         assert done.returncode == 0, done.stderr
         assert done.stdout == f"{folder / name}.nc\n"
     inputs = [folder / f"{name}.nc" for name in MODELS]
-    done = command(
-        "contact-compare",
-        *inputs,
-        "-o",
-        folder / "comparison.nc",
-        "--figures",
-        folder / "figures",
-        "--report",
-        folder / "report.html",
-    )
+    done = command("bem-adhesion", "compare", *inputs, "-o", folder / "comparison")
     assert done.returncode == 0, done.stderr
     for line in done.stdout.splitlines():
         assert Path(line).is_file(), line
@@ -86,10 +78,11 @@ def folder(tmp_path_factory):
 
 def test_everything_is_written_and_nothing_else(folder):
     names = {path.name for path in folder.iterdir()}
-    assert names == {"study.toml", "bem.nc", "md.nc", "theory.nc", "comparison.nc", "figures", "report.html"} | {
-        f"{model}.nc.restart" for model in ("bem", "md", "theory")
-    }
-    assert len(list((folder / "figures").glob("figure_*.png"))) >= 4
+    models = [f"{model}.nc{end}" for model in MODELS for end in ("", ".restart")]
+    assert names == {"study.toml", "comparison", *models}
+    names = {path.name for path in (folder / "comparison").iterdir()}
+    assert names == {"comparison.nc", "figures", "report.html"}
+    assert len(list((folder / "comparison" / "figures").glob("figure_*.png"))) >= 4
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -173,11 +166,11 @@ def test_own_path_reaches_the_predicted_states(folder, tmp_path):
 
 
 def test_report_says_where_the_atoms_started(folder):
-    assert "continuum&#39;s gap field (bem.nc)" in (folder / "report.html").read_text()
+    assert "continuum&#39;s gap field (bem.nc)" in (folder / "comparison" / "report.html").read_text()
 
 
 def test_comparison_holds_the_numbers_of_its_inputs(folder):
-    tree = xr.open_datatree(folder / "comparison.nc")
+    tree = xr.open_datatree(folder / "comparison" / "comparison.nc")
     with xr.open_dataset(folder / "bem.nc") as bem:
         np.testing.assert_array_equal(tree["continuum"]["relative_contact_area"], bem.relative_contact_area)
     tree.close()

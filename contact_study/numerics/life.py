@@ -1,4 +1,4 @@
-"""Signs of life: solvers count their iterations, and who listens in this process is told at most every other second."""
+"""Signs of life: solvers count their iterations, a listener in this process hears of them every other second."""
 
 import time
 from collections.abc import Callable, Iterator
