@@ -1,20 +1,31 @@
 """The verbs on one small study, as a user would run them."""
 
+import io
 import os
+import re
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+import matplotlib.image
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 import bem_adhesion.study.model
 import md_reference.study.model
 import theory.study.model
+from contact_study import plots
+from contact_study.command_line import check, terminal
+from contact_study.command_line.plot import PICTURES
+from contact_study.command_line.program import VERBS
 from contact_study.results.schema import COORDINATES, VARIABLES
+from contact_study.start import bem_adhesion as program
 from contact_study.start import contact_compare as compare
+from contact_study.study.schema.dotted_keys import SECTIONS
+from contact_study.study.schema.keys import keys_of
 from tests.campaign.toy_study import steps_on_disk
 from tests.commands import main
 
@@ -279,3 +290,210 @@ def test_killed_campaign_resumes_bit_for_bit(folder, tmp_path):
     with xr.open_dataset(folder / "bem.nc") as whole, xr.open_dataset(output) as resumed:
         for name in set(whole.variables) - {"wall_time"}:
             np.testing.assert_array_equal(whole[name].values, resumed[name].values, err_msg=name)
+
+
+@pytest.fixture
+def verb(folder, monkeypatch, capsys):
+    """Type a verb in the folder of the datasets; returns the exit status and what was said."""
+    monkeypatch.chdir(folder)
+
+    def typed(*words):
+        status = program([str(word) for word in words])
+        shown = capsys.readouterr()
+        return status, shown.out, shown.err
+
+    return typed
+
+
+def test_check_says_what_the_datasets_then_have(folder, verb):
+    before = sorted(folder.iterdir())
+    status, said, errors = verb("check", "study.toml")
+    assert (status, errors) == (0, "")
+    assert "study.toml: small\n2 cases of 2 to 3 load steps, 5 in all (well_depth_ratio: 1, 4)\n32 x 32 points" in said
+    for model in MODELS.values():
+        assert re.search(rf"^{model} +yes +\d", said, re.MULTILINE)
+    numbers = [line.split("  ")[0] for line in said.splitlines()]
+    assert sum(words.startswith(("grid points", "theta", "Tabor", "area without")) for words in numbers) == 4
+    with xr.open_dataset(folder / "bem.nc") as bem, xr.open_datatree(folder / "comparison/comparison.nc") as tree:
+        regime = tree["regime"].to_dataset()
+        first = {
+            "grid points per process zone": float((bem.process_zone / bem.pixel).min()),
+            # The report counts the true area, the check the projected one.
+            "theta": float((regime.adhesion_over_elastic_energy / regime.area_factor).min()),
+            "Tabor": float(regime.tabor_parameter.min()),
+        }
+    for words, expected in first.items():
+        found = float(re.search(rf"^{words}.*?  +([\d.e+-]+)", said, re.MULTILINE)[1])
+        # Three digits; the report's roughness is that of one sample of a few waves.
+        assert found == pytest.approx(expected, rel=0.005 if words.startswith("grid") else 0.25, abs=0), words
+    assert "too coarse" in said
+    assert "warning (continuum): grid too coarse" in said
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("meaning", "values"),
+    [
+        (check._zone_meaning, {4.0: "resolves", 3.9: "trapped on unloading", 0.9: "factor of two"}),
+        (check._theta_meaning, {1.1: "stick completely", 0.9: "partial"}),
+        (check._tabor_meaning, {3.1: "will differ", 2.9: "may differ", 0.09: "agree"}),
+        (check._bare_meaning, {19.0: "light contact, in", 21.0: "beyond"}),
+    ],
+)
+def test_limits_are_those_of_the_page_on_choosing(meaning, values):
+    for value, words in values.items():
+        assert words in meaning(value)
+
+
+def test_check_refuses_what_a_run_refuses(verb):
+    changed = ["--interaction.law", "exponential", "--interaction.work_of_adhesion", "0.1 J/m^2"]
+    given = ["check", "study.toml", *changed, "--loading.path", "1 GPa"]
+    Path("study.toml").write_text(STUDY.replace('well_depth = "18.6 meV"\n', ""))
+    try:
+        status, said, _ = verb(*given)
+        assert status == 0
+        assert re.search(r'^atoms +no +interaction.law = "exponential"', said, re.MULTILINE)
+        status, said, errors = verb(*given, "--model", "atoms")
+        assert (status, said, errors.count("\n")) == (1, "", 1)
+    finally:
+        Path("study.toml").write_text(STUDY)
+
+
+# Of unloading, atoms or theories.
+_OTHERS = ("loop", "spectrum", "atoms", "magnified", "detachment", "criteria")
+
+
+def test_every_picture_is_one_of_the_library():
+    assert {name for name, *_ in PICTURES.values()} <= {*plots.__all__}
+
+
+@pytest.mark.parametrize(
+    "picture", ["area", "gap", "map", "pressure", "contact", "section", "heights", "stresses", "gaps"]
+)
+def test_a_picture_is_drawn(verb, tmp_path, picture):
+    status, said, errors = verb("plot", "bem.nc", picture, "-o", tmp_path / "a.png")
+    assert (status, said) == (0, f"{tmp_path / 'a.png'}\n")
+    assert matplotlib.image.imread(tmp_path / "a.png").shape[1] > 400
+    one_state = picture not in ("area", "gap", "heights")
+    # The last load step in contact of the last case.
+    assert ("well_depth_ratio=4 (of 1, 4), step 2 (of 0 to 2)" in errors) == one_state
+
+
+def test_the_state_that_is_asked_for_is_drawn(folder, verb, monkeypatch, tmp_path):
+    shown = []
+    draw = plots.gap_map
+    monkeypatch.setattr(plots, "gap_map", lambda dataset: shown.append(dataset) or draw(dataset), raising=False)
+    asked = ["--case", "well_depth_ratio=1", "--step", "0", "-o", tmp_path / "a.pdf"]
+    assert verb("plot", "bem.nc", "map", *asked)[0] == 0
+    assert float(shown[0].well_depth_ratio) == 1
+    assert float(shown[0].applied_pressure) == 0.5e9
+    assert (tmp_path / "a.pdf").read_bytes()[:4] == b"%PDF"
+
+
+def test_the_table_has_every_case_and_step(folder, verb, tmp_path):
+    table = tmp_path / "bem.csv"
+    assert verb("export", "bem.nc", "--csv", "-o", table) == (0, f"{table}\n", "")
+    frame = pd.read_csv(table)
+    assert frame.columns[:4].tolist() == ["well_depth_ratio", "step", "applied_pressure (Pa)", "branch"]
+    assert len(frame) == 5
+    assert set(frame.branch) == {"loading", "unloading"} or set(frame.branch) == {"loading"}
+    with xr.open_dataset(folder / "bem.nc") as dataset:
+        expected = dataset.mean_gap.sel(well_depth_ratio=4).values
+    np.testing.assert_allclose(frame["mean_gap (m)"][frame.well_depth_ratio == 4], expected, rtol=1e-8)  # nine digits
+    status, _, errors = verb("export", "bem.nc", "--csv", "-o", table)
+    assert (status, errors.count("\n")) == (1, 1)
+    assert verb("export", "bem.nc", "--csv", "-o", table, "--overwrite", "--case", "well_depth_ratio=1")[0] == 0
+    assert len(pd.read_csv(table)) == 2
+
+
+def test_fields_of_a_case_go_to_paraview(verb, tmp_path):
+    pytest.importorskip("pyevtk")
+    given = ["export", "bem.nc", "--vtk", "-o", tmp_path / "fields.pvd"]
+    status, _, errors = verb(*given)
+    assert status == 1
+    assert "--case well_depth_ratio=" in errors
+    assert verb(*given, "--case", "well_depth_ratio=1")[0] == 0
+    assert len(list((tmp_path / "fields").iterdir())) == 2
+
+
+def test_keys_are_those_of_the_schema(verb):
+    _, said, _ = verb("keys")
+    assert [line.split()[0] for line in said.splitlines()[1:] if not line.startswith(" ")] == list(SECTIONS)
+    _, said, _ = verb("keys", "surface", "--kind", "file")
+    kind = SECTIONS["surface"].declared["file"]
+    assert re.findall(r"^surface\.(\w+)", said, re.MULTILINE) == list(keys_of(kind))
+    _, said, _ = verb("keys", "loading.resolution")
+    assert re.search(r"^loading.resolution +number +0.01 +least adaptive step", said, re.MULTILINE)
+    _, said, _ = verb("keys", "material")
+    assert re.search(r"^material.youngs_modulus +Pa +required +Young's", said, re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (["rnu", "study.toml"], "(did you mean run?)"),
+        (["run", "study.toml", "--ouput", "a.nc"], "(did you mean --output?)"),
+        (
+            ["run", "study.toml", "-o", "a.nc", "--surface.sede", "3"],
+            "(did you mean --surface.seed?); see",
+        ),
+        (["run", "study.toml", "-o", "a.nc", "--surface.seed"], "--surface.seed: expected a value"),
+        (["run", "study.toml", "-o", "a.nc", "--start-from", "bem.nc"], "use --model atoms"),
+        (["run", "study.toml", "-o", "a.nc", "--model", "atomz"], "atoms"),
+        (["keys", "surfce"], "(did you mean surface?)"),
+        (["keys", "rms_height"], "(did you mean surface.rms_height?)"),
+        (["keys", "surface", "--kind", "flie"], "(did you mean file?)"),
+        (["plot", "bem.nc", "mpa"], "map"),
+        (["plot", "bem.nc", "--case", "well_depth=4"], "(did you mean well_depth_ratio?)"),
+        (["plot", "bem.nc", "--case", "well_depth_ratio=3"], "has well_depth_ratio 1, 4"),
+        (["plot", "bem.nc", "map", "--step", "7"], "load steps 0 to 2"),
+        (["plot", "bem.nc", "loop"], "bem.nc: "),
+        (["plot", "comparison/comparison.nc"], "give the dataset of a run"),
+        (["plot", "bem.nc", "-o", "bem.nc"], "expected a name that ends in"),
+        (["export", "md.nc", "--xyz", "--case", "well_depth_ratio=4"], "output.atoms"),
+        (["export", "bem.nc"], "--csv"),
+    ],
+)
+def test_a_mistake_is_one_line_with_what_is_meant(folder, verb, words, meant):
+    before = sorted(folder.iterdir())
+    status, said, errors = verb(*words)
+    assert (status, said) == (1, "")
+    assert meant in errors
+    assert errors.count("\n") == 1
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize("name", [*VERBS, ""])
+def test_help_fits_a_screen(verb, name):
+    status, said, _ = verb(*([name] if name else []), "--help")
+    assert status == 0
+    lines = said.splitlines()
+    assert max(map(len, lines)) <= 100
+    assert len(lines) <= (30 if name == "run" else 45)
+    assert "examples:" in said
+    assert "exit status: 0 done   1 invalid input" in said
+    solves = name in ("", "run", "compare", "merge")
+    assert ("2 some steps not converged" in said) == solves
+
+
+def test_colours_are_for_terminals(verb, monkeypatch):
+    """The same words by rich and without; colours where they are wanted only."""
+    console = pytest.importorskip("rich.console").Console
+    _, plain, _ = verb("keys", "surface")
+    assert "\x1b" not in plain
+    for variables, coloured in (({}, True), ({"NO_COLOR": "1"}, False)):
+        stream = io.StringIO()
+        made = console(file=stream, width=100, force_terminal=True, color_system="standard", _environ=variables)
+        monkeypatch.setattr(terminal, "_console", lambda made=made: made)
+        _, beside, _ = verb("keys", "surface")
+        assert ("\x1b[36m" in stream.getvalue()) == coloured
+        words = re.sub(r"\x1b\[[\d;]*m", "", stream.getvalue() + beside).split()
+        assert sorted(words) == sorted(plain.split())
+
+
+def test_the_program_imports_little_for_its_help():
+    """Without numpy, of which the import takes longer than all else: help within a blink."""
+    code = "from contact_study import start; start.bem_adhesion(['run', '--help'])"
+    code += "; import sys; print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("False\n")

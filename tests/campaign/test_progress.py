@@ -1,5 +1,12 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+import bem_adhesion.study.state
+from contact_study import start
+from contact_study.campaign import progress as module
 from contact_study.campaign.progress import Progress
-from contact_study.start import bem_adhesion
+from contact_study.numerics import life
 
 
 def test_a_line_says_what_became_of_a_step(capsys):
@@ -17,6 +24,91 @@ def test_a_line_says_what_became_of_a_step(capsys):
         "toy: [2/3] case 2: -1 GPa, detached: torn off (0.1 s)",
         "toy: [3/3] 2 GPa, contact area 0.5000, NOT CONVERGED (see residual) (0.1 s)",
     ]
+
+
+def test_a_long_step_shows_life(monkeypatch, capsys):
+    """In a log every half minute, with an estimate by what is usual, or by the steps before."""
+    now = [100.0]
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
+    progress = Progress("toy")
+    progress.start(4, 1)
+    progress.expected = 200.0
+    for seconds, iterations in ((10, 5), (31, 12), (45, 20), (62, 30)):
+        now[0] = 100.0 + seconds
+        progress.step("seed = 1", "1 GPa", {"iterations": iterations, "residual": 3.21e-5}, None)
+    assert progress.done == 1
+    now[0] = 180.0
+    progress.step("seed = 1", "1 GPa", {"relative_contact_area": 0.25}, 80.0)
+    now[0] = 211.0
+    progress.step("", "2 GPa", {"iterations": 3, "residual": None}, None)
+    assert capsys.readouterr().err.splitlines() == [
+        "toy: 1 of 4 steps were finished before",
+        "toy: [1/4] at work: iteration 12, residual 3.2e-05, about 2.8 min left; seed = 1: 1 GPa",
+        "toy: [1/4] at work: iteration 30, residual 3.2e-05, about 2.3 min left; seed = 1: 1 GPa",
+        "toy: [2/4] seed = 1: 1 GPa, contact area 0.2500 (80.0 s)",
+        "toy: [2/4] at work: iteration 3, about 3.7 min left; 2 GPa",
+    ]
+
+
+def test_a_listener_is_told_of_the_iterations_of_a_step(monkeypatch):
+    now, heard = [0.0], []
+    monkeypatch.setattr(life.time, "monotonic", lambda: now[0])
+    with life.listening(lambda *sign: heard.append(sign)):
+        for now[0] in (1.0, 1.9, 2.1, 3.0, 4.2):
+            life.beat(2 * now[0])
+        life.restart()
+        life.beat()
+        now[0] = 6.3
+        life.beat()
+    now[0] = 99.0
+    life.beat()
+    assert heard == [(3, 4.2), (5, 8.4), (2, None)]
+
+
+@pytest.mark.parametrize(
+    ("model", "points", "keys"),
+    [
+        ("continuum", 128, ["--loading.path", "1 GPa"]),
+        ("continuum", 16, ["--loading.path", "1 GPa, -0.1 GPa", "--loading.adaptive", "true"]),
+        ("continuum", 16, ["--solver.path", "overdamped"]),
+        ("atoms", 16, []),
+        ("theory", 16, []),
+    ],
+)
+def test_every_solver_gives_signs_of_life(model, points, keys, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(life, "PAUSE", 0.0)
+    monkeypatch.setattr(module, "_HALF_MINUTE", 0.0)
+    (tmp_path / "study.toml").write_text(STUDY.replace("[16, 16]", f"[{points}, {points}]"))
+    given = ["run", str(tmp_path / "study.toml"), "--model", model, "--workers", "1", *keys]
+    assert start.bem_adhesion([*given, "-o", str(tmp_path / "told.nc")]) == 0
+    assert "at work: iteration 1" in capsys.readouterr().err
+    if points == 128:  # the solver itself is traced, which changes no number
+        monkeypatch.setattr(bem_adhesion.study.state, "_TRACED", np.inf)
+        assert start.bem_adhesion([*given, "-o", str(tmp_path / "alone.nc")]) == 0
+        assert "at work" not in capsys.readouterr().err
+        with xr.open_dataset(tmp_path / "told.nc") as told, xr.open_dataset(tmp_path / "alone.nc") as alone:
+            xr.testing.assert_equal(told.drop_vars("wall_time"), alone.drop_vars("wall_time"))
+
+
+STUDY = """
+[surface]
+kind = "wavy"
+size = "4.16 nm"
+shape = [16, 16]
+amplitude = "1 angstrom"
+modes = [1, 1]
+[material]
+youngs_modulus = "77.2 GPa"
+poissons_ratio = 0.42
+lattice_constant = "2.6 angstrom"
+[interaction]
+well_depth = "18.6 meV"
+length = "3.28 angstrom"
+[loading]
+path = ["1 GPa"]
+[output]
+fields = true
+"""
 
 
 def test_tension_on_separated_surfaces_says_so(tmp_path, capsys):
@@ -40,7 +132,7 @@ def test_tension_on_separated_surfaces_says_so(tmp_path, capsys):
         path = ["-1 MPa", "1 MPa"]
         """
     )
-    assert bem_adhesion([str(study), "-o", str(tmp_path / "out.nc")]) == 0
+    assert start.bem_adhesion([str(study), "-o", str(tmp_path / "out.nc")]) == 0
     lines = capsys.readouterr().err
     words = "the surfaces are separated; start the loading path with a positive pressure"
     assert f"[1/2] -1 MPa, detached: {words}" in lines
