@@ -22,15 +22,17 @@ from scripts import (
 
 def test_benchmark_of_the_adhesive_solver(capsys):
     assert benchmark_adhesive.main(["--points", "32", "40", "--surfaces", "2", "1", "--ratios", "1", "--times"]) == 0
-    head, rule, *rows = capsys.readouterr().out.splitlines()
-    assert head == "| points (seeds) | 1 ε₀ | worst | transforms | s a step |"
-    assert rule.count("---") == 5
+    _, _, *rows = capsys.readouterr().out.splitlines()
     assert [row.split(" | ")[0] for row in rows] == ["| 32² (1–2)", "| 40² (1)"]
     for row in rows:
         medians, worst, share = (re.findall(r"\d+", cell) for cell in row.split(" | ")[1:4])
         assert len(medians) == 7
         assert max(map(int, medians)) <= int(worst[0])
         assert 0 < int(share[0]) < 100
+    assert benchmark_adhesive.main(["--points", "32", "--surfaces", "1", "--ratios", "1", "--anew"]) == 0
+    cells = capsys.readouterr().out.splitlines()[2].strip("| ").split(" | ")
+    assert cells[:3] == ["32² (1)", "1 ε₀", "6"]
+    assert all(6 < int(cell) < 2000 for cell in cells[3:5])
 
 
 def test_worst_and_median_of_the_benchmark():
@@ -40,17 +42,6 @@ def test_worst_and_median_of_the_benchmark():
     ]
     found = benchmark_adhesive.line(64, 3, {4.0: costs}, times=True)
     assert found == "| 64² (1–3) | 20 40 | 90 (not converged) | 50 % | 1.000 |"
-
-
-def test_steps_beside_ones_from_separation(capsys):
-    assert benchmark_adhesive.main(["--points", "32", "40", "--surfaces", "2", "1", "--ratios", "1", "--anew"]) == 0
-    head, _, *rows = capsys.readouterr().out.splitlines()
-    assert head == f"| {' | '.join(benchmark_adhesive.HEAD_ANEW)} |"
-    cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
-    assert [row[:3] for row in cells] == [["32² (1–2)", "1 ε₀", "12"], ["40² (1)", "1 ε₀", "6"]]
-    for row in cells:
-        assert 6 < int(row[3]) < 2000
-        assert 6 < int(row[4]) < 2000
 
 
 def test_what_the_step_from_the_state_before_costs_more():
@@ -63,16 +54,10 @@ def test_what_the_step_from_the_state_before_costs_more():
     assert alike == "| 64² (1) | 1 ε₀ | 2 | 40 | 40 | 0 | – | 1 |"
 
 
-def test_surfaces_are_given_for_every_grid(capsys):
-    assert benchmark_adhesive.main(["--points", "32", "40", "64", "--surfaces", "2", "1"]) == 1
-    assert "2 numbers for 3 grids" in capsys.readouterr().err
-
-
 def test_benchmark_of_the_atoms(capsys):
     options = ["--pressures", "1 GPa", "2 GPa", "--ratios", "1"]
     assert benchmark_atoms.main(["--atoms", "40", "48", *options]) == 0
-    head, rule, *rows = capsys.readouterr().out.splitlines()
-    assert head.count("|") == rule.count("|") == rows[0].count("|") == 5
+    _, _, *rows = capsys.readouterr().out.splitlines()
     assert [row.split(" | ")[0] for row in rows] == ["| 40²", "| 48²"]
     for row in rows:
         evaluations, pairs = (np.array(cell.split(), dtype=float) for cell in row.strip("| ").split(" | ")[2:])
@@ -80,19 +65,14 @@ def test_benchmark_of_the_atoms(capsys):
         # A step has an evaluation or more, each but the first from a linear solve and S u.
         assert np.all(pairs > evaluations)
     assert benchmark_atoms.main(["--atoms", "40", "--times", *options]) == 0
-    *_, evaluation, pair, memory = re.findall(r"[\d.]+", capsys.readouterr().out.splitlines()[2])
-    assert float(evaluation) > 0
-    assert float(pair) > 0
-    assert float(memory) >= 0
+    *_, evaluation, pair, _ = re.findall(r"[\d.]+", capsys.readouterr().out.splitlines()[2])
+    assert min(float(evaluation), float(pair)) > 0
 
 
 def test_the_atoms_of_the_benchmark_keep_the_slopes():
-    from contact_study.study.case import realise
-
     small, large = (realise(benchmark_atoms.case_of(Path("data/yang2008.toml"), n, 4.0)) for n in (40, 80))
     assert large.rms_slope == pytest.approx(small.rms_slope, rel=1e-9)
     assert large.rms_height == pytest.approx(2 * small.rms_height, rel=1e-9)
-    assert benchmark_atoms.case_of(Path("data/yang2008.toml"), 80, 4.0).lattice.atoms == (80, 80)
 
 
 def test_benchmark_of_the_storage(capsys, monkeypatch):
@@ -123,23 +103,17 @@ def test_two_workers_against_one(monkeypatch, capsys):
     assert benchmark_workers.main(["--repeats", "2", "study.toml", "--surface.seed", "1,2"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "| continuum | 8 s | 2.00 | 1.12 |"
     assert len(runs) == 6
-    assert all(command[1:5] == ["run", "study.toml", "--model", "continuum"] for command in runs)
     assert all("1,2" in command and "--solver.threads" in command for command in runs)
 
 
 @pytest.mark.filterwarnings("ignore:.*process zone")
 def test_areas_over_grids_are_those_of_datasets(tmp_path):
-    """With adhesion more is in contact than presses."""
-    case = benchmark_grids.case_of("adhesion, smooth", 64)
-    heights = tmp_path / "heights.npy"
-    np.save(heights, realise(case).sampled)
-    row = benchmark_grids.cost("adhesion, smooth", 64, heights)
+    np.save(tmp_path / "heights.npy", realise(benchmark_grids.case_of("adhesion, smooth", 64)).sampled)
+    row = benchmark_grids.cost("adhesion, smooth", 64, tmp_path / "heights.npy")
     keys = {"interaction.well_depth_ratio": 1, "surface.shape": [64, 64], "loading.path": ["0.5 GPa", "1 GPa"]}
-    changes = keys | {"loading.unload": False, "output.fields": False}
-    table = read_study("data/yang2008.toml", changes).table
-    dataset = contact_study.run({name: keys for name, keys in table.items() if name != "override"}).squeeze()
-    assert row["area"] == dataset.relative_contact_area[-1]
-    assert row["area"] > 1.1 * dataset.relative_repulsive_area[-1]
+    table = read_study("data/yang2008.toml", keys | {"loading.unload": False, "output.fields": False}).table
+    table.pop("override", None)
+    assert row["area"] == contact_study.run(table).relative_contact_area.squeeze()[-1]
 
 
 def test_mutants_are_of_modules_and_tests_that_exist():

@@ -10,6 +10,7 @@ import pytest
 
 import contact_study
 from bem_adhesion import process_zone
+from contact_study.study.case import realise
 from contact_study.study.study import make_study, read_study
 from research import (
     contact_challenge,
@@ -20,8 +21,10 @@ from research import (
     edge_flow_trials,
     gap_distributions,
     non_adhesive_shelf,
+    persson_choices,
     polymer_contact,
     trapped_edges,
+    two_starts_with_adhesion,
 )
 from scripts import sphere_path, validate_energies, validate_spheres, validate_waves
 from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, edge_flow, separation_curve
@@ -30,40 +33,34 @@ from theory import references as reference
 MEANS = ["branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces", "points"]
 
 
-def test_errors_of_the_theories_over_an_ensemble():
-    table = pd.DataFrame(
+def table_of(**models):
+    """Means of four surfaces; on the way back twice the mean of the way in."""
+    return pd.DataFrame(
         [
-            (branch, model, name, ratio, pressure, mean * (1 if branch == "loading" else 2), 0.02, 4, 64)
+            ("H = 0.5", branch, model, name, ratio, p, mean(p) * (1 if branch == "loading" else 2), 0.02, 4, 64)
             for branch in ("loading", "unloading")
             for name in ("relative_contact_area", "mean_gap")
             for ratio in (1.0, 8.0)
-            for pressure in (0.1, 0.5, 5.0)
-            for model, mean in (
-                ("continuum", 0.2),
-                ("gap_flow", 0.3 if pressure > 0.1 else 9.0),
-                ("edge_flow", 0.2 * (1 - 0.1 * pressure)),
-            )
+            for p in (0.1, 1.0, 5.0)
+            for model, mean in models.items()
         ],
-        columns=MEANS,
+        columns=["setting", *MEANS],
     )
-    _, *rows = edge_flow_ensemble.rows(table)
-    # The lowest and the highest pressure have lines of their own; 5 and 50 % below count as errors of their size.
-    assert rows[0] == "| ≤ 2 ε0 | loading | 0.2 to 5 | A | 50.0 (50.0) % | 27.5 (50.0) % | 10.0 % | 4 |"
+
+
+def test_errors_of_the_theories_over_an_ensemble():
+    flows = {"gap_flow": lambda p: 0.3 if p > 0.1 else 9.0, "edge_flow": lambda p: 0.2 * (1 - 0.1 * p)}
+    table = table_of(continuum=lambda p: 0.2, **flows)
+    _, *rows = edge_flow_ensemble.rows(table.drop(columns="setting"))
+    # The lowest and the highest pressure have lines of their own; 10 and 50 % below count as errors of their size.
+    assert rows[0] == "| ≤ 2 ε0 | loading | 0.2 to 5 | A | 50.0 (50.0) % | 30.0 (50.0) % | 10.0 % | 4 |"
     assert rows[4] == "| ≤ 2 ε0 | loading | 0.1 | A | 4400.0 (4400.0) % | 1.0 (1.0) % | 10.0 % | 4 |"
     assert rows[8] == "| ≤ 2 ε0 | loading | 5 | A | 50.0 (50.0) % | 50.0 (50.0) % | 10.0 % | 4 |"
-    assert rows[12] == "| ≤ 2 ε0 | unloading | 0.2 to 5 | A | 50.0 (50.0) % | 27.5 (50.0) % | 5.0 % | 4 |"
-    assert [row.split(" | ")[3] for row in rows] == ["A", "ū"] * 8
-
-
-@pytest.mark.filterwarnings("ignore:grid too coarse")  # a coarse grid is quick
-def test_ensemble_of_small_surfaces():
-    table = edge_flow_ensemble.means(2, 32, [1.0])
-    assert set(table["model"]) == {"continuum", "gap_flow", "edge_flow"}
-    assert (table["surfaces"] == 2).all()
-    areas = table[table["quantity"] == "relative_contact_area"]
-    areas = areas.pivot(index="pressure_GPa", columns=["branch", "model"], values="mean")
-    assert (areas.diff().iloc[1:] > 0).all().all()
-    assert areas.shape[1] == 6
+    assert rows[12] == "| ≤ 2 ε0 | unloading | 0.2 to 5 | A | 50.0 (50.0) % | 30.0 (50.0) % | 5.0 % | 4 |"
+    _, *rows = edge_flow_ensemble.rows(table)
+    assert len(rows) == 8
+    assert rows[2].startswith("| H = 0.5 | 8 ε0 | loading | A | ")
+    assert rows[5].startswith("| H = 0.5 | 1 ε0 | unloading | ū | ")
 
 
 def test_trials_start_from_the_edge_flow_and_part_from_it():
@@ -88,38 +85,15 @@ def test_trials_start_from_the_edge_flow_and_part_from_it():
 
 
 def test_errors_of_trials_have_their_sign(capsys, tmp_path, monkeypatch):
-    truth = [
-        (branch, "continuum", quantity, 4.0, pressure, mean, 0.1, 2, 64)
-        for branch, mean in (("loading", 1.0), ("unloading", 2.0))
-        for quantity in ("relative_contact_area", "mean_gap")
-        for pressure in (0.1, 0.5, 1.0)
-    ]
-    pd.DataFrame(truth, columns=MEANS).to_csv(tmp_path / "truth.csv", index=False)
+    table_of(continuum=lambda p: 1.0).to_csv(tmp_path / "truth.csv", index=False)
     monkeypatch.setattr(edge_flow_trials, "SIMULATIONS", tmp_path / "truth.csv")
-    found = [("phase", 4.0, pressure, 1.5, 0.5, 1.2, 2) for pressure in (0.1, 0.5, 1.0)]
-    found += [("nothing", 4.0, pressure, np.nan, np.nan, np.nan, 2) for pressure in (0.5, 1.0)]
     columns = ["model", "ratio", "pressure_GPa", "relative_contact_area", "mean_gap", "pressures", "surfaces"]
+    found = [("phase", 8.0, pressure, 1.5, 0.5, 1.2, 2) for pressure in (0.1, 1.0, 5.0)]
+    found += [("nothing", 8.0, 1.0, np.nan, np.nan, np.nan, 2)]
     pd.DataFrame(found, columns=columns).to_csv(tmp_path / "found.csv", index=False)
     assert edge_flow_trials.main(["--from", str(tmp_path / "found.csv")]) == 0
-    _, _, *rows = capsys.readouterr().out.splitlines()
-    assert rows == [
-        "| phase | 4 ε0 | +50.0 % | −25.0 % | −50.0 % | −75.0 % | 1.20 |",
-        "| nothing | 4 ε0 | – | – | – | – | – |",
-    ]
-
-
-def test_settings_tell_the_way_in_from_the_way_back():
-    found = [
-        ("H = 0.5", branch, model, quantity, 1.0, pressure, mean, 0.1 * mean, 4)
-        for branch, truth in (("loading", 1.0), ("unloading", 2.0))
-        for quantity in ("relative_contact_area", "mean_gap")
-        for pressure in (0.1, 0.2, 1.0)
-        for model, mean in (("continuum", truth), ("gap_flow", 1.5), ("edge_flow", 1.0 if pressure < 1 else 1.1))
-    ]
-    _, *rows = edge_flow_ensemble.rows(pd.DataFrame(found, columns=["setting", *MEANS[:-1]]))
-    assert rows[0] == "| H = 0.5 | 1 ε0 | loading | A | 50.0 (50.0) % | 5.0 (10.0) % | 10.0 % | 4 |"
-    assert rows[3] == "| H = 0.5 | 1 ε0 | unloading | ū | 25.0 (25.0) % | 47.5 (50.0) % | 10.0 % | 4 |"
-    assert len(rows) == 4
+    rows = ["| phase | 8 ε0 | +50.0 % | −25.0 % | −50.0 % | −75.0 % | 1.20 |", "| nothing | 8 ε0 | – | – | – | – | – |"]
+    assert capsys.readouterr().out.splitlines()[2:] == rows
 
 
 @pytest.mark.filterwarnings("ignore")  # coarse grids are quick; what they miss is not the point
@@ -142,25 +116,24 @@ def test_a_setting_goes_in_and_back(monkeypatch):
     assert at.loc[0.5, "unloading"] >= at.loc[0.5, "loading"]
 
 
-def test_shelf_of_theories_without_adhesion_on_small_surfaces(capsys, tmp_path):
-    csv = tmp_path / "shelf.csv"
-    assert non_adhesive_shelf.main(["--surfaces", "2", "--points", "64", "--table", str(csv)]) == 0
-    printed = capsys.readouterr().out
-    assert non_adhesive_shelf.main(["--from", str(csv)]) == 0
-    assert capsys.readouterr().out == printed
-    _, _, *rows = printed.splitlines()
+def test_shelf_of_theories_without_adhesion_on_small_surfaces(capsys):
+    assert non_adhesive_shelf.main(["--surfaces", "2", "--points", "64"]) == 0
+    _, _, *rows = capsys.readouterr().out.splitlines()
     assert len(rows) == 5 * len(non_adhesive_shelf.PRESSURES)
-    errors = {tuple(row.split(" | ")[:2]): row.split(" | ")[4:] for row in rows}
+    cells = {tuple(row.split(" | ")[:2]): row.replace("−", "-").split(" | ")[4:] for row in rows}
+
+    def errors(*at):
+        return [float(cell.split(" %")[0]) for cell in cells[at]]
+
     # At 5 GPa the plain theory has a fifth too little area, its corrections some per cent too much.
-    plain, *corrected, paper = (float(cell.split(" %")[0].replace("−", "-")) for cell in errors["| 5", "A"])
-    assert -30 < plain < -10
-    assert paper == plain
+    plain, *corrected, paper = errors("| 5", "A")
+    assert -30 < plain == paper < -10
     # Its contact is also too stiff under heavy load and has too much area under high stress; the paper's weight of the
     # energy mends the stiffness alone. Both surfaces scatter by some per cent.
-    plain, *_, paper = (float(cell.split(" %")[0].replace("−", "-")) for cell in errors["| 10", "−dp/dū"])
+    plain, *_, paper = errors("| 10", "−dp/dū")
     assert plain > 30
     assert -15 < paper < 15
-    plain, *_, paper = (float(cell.split(" %")[0].replace("−", "-")) for cell in errors["| 2", "A(σ > s)"])
+    plain, *_, paper = errors("| 2", "A(σ > s)")
     assert 5 < plain == paper < 20
     assert all(abs(error) < 8 for error in corrected)
 
@@ -176,17 +149,13 @@ def test_convergence_of_the_edge_flow(capsys):
 def test_spheres_against_closed_forms(capsys):
     """Two spheres, coarse: the search leaves 0.1 %, the grid less than 1 %."""
     assert validate_spheres.main(["maugis", "--tabor", "0.1", "0.5"]) == 0
-    head, rule, *rows = capsys.readouterr().out.splitlines()
-    assert head.count("|") == rule.count("|") == 13
+    _, _, *rows = capsys.readouterr().out.splitlines()
     for row, tabor in zip(rows, (0.1, 0.5), strict=True):
-        radius, work = tabor**3 / 0.02**2, 0.02
-        pull_off = reference.maugis_dugdale_pull_off(reference.maugis_parameter(radius, 1.0, work, work))
-        cells = [cell.strip(" %") for cell in row.split("|")[1:-1]]
-        assert float(cells[0]) == tabor
-        assert abs(float(cells[7])) < 1
-        assert float(cells[6]) == pytest.approx(pull_off, abs=6e-4)  # three digits
-        assert abs(float(cells[8])) < 2
-        assert abs(float(cells[9])) < 0.02
+        pull_off = reference.maugis_dugdale_pull_off(reference.maugis_parameter(tabor**3 / 0.02**2, 1.0, 0.02, 0.02))
+        cells = [float(cell.strip(" %")) for cell in row.replace("²", "").split("|")[1:-1]]
+        assert cells[0] == tabor
+        assert cells[6] == pytest.approx(pull_off, abs=6e-4)  # three digits
+        assert max(abs(cells[7]), abs(cells[8]) / 2, abs(cells[9]) / 0.02) < 1
 
 
 def test_figures_of_closed_forms_have_the_solver_on_them():
@@ -201,7 +170,6 @@ def test_figures_of_closed_forms_have_the_solver_on_them():
     westergaard, found, johnson, sticking = (line.get_xydata() for line in left.lines)
     np.testing.assert_allclose(found[:, 1], np.interp(found[:, 0], *westergaard.T), atol=0.01)
     np.testing.assert_allclose(sticking[:, 1], np.interp(sticking[:, 0], *johnson.T), atol=0.03)
-    assert [line.get_label() for line in right.lines][1] == "area, adhesion"
 
 
 def test_spheres_are_read_as_they_were_written(tmp_path, capsys):
@@ -220,30 +188,18 @@ def test_spheres_are_read_as_they_were_written(tmp_path, capsys):
     assert high.states == states
     figure = tmp_path / "spheres.png"
     assert validate_spheres.main(["maugis", "--from", str(path), "--figure", str(figure)]) == 0
-    *rows, empty, times = capsys.readouterr().out.splitlines()[2:]
-    assert [row.split(" | ")[5] for row in rows] == ["1.800", "1.550"]
-    assert (empty, times) == ("", "CPU time: 12, 12 s.")
+    rows = capsys.readouterr().out.splitlines()[2:]
+    assert [row.split(" | ")[5] for row in rows[:2]] == ["1.800", "1.550"]
     assert figure.stat().st_size > 10_000
-
-
-def test_maugis_has_his_limits():
-    assert validate_spheres.Maugis(20.0).pull_off == pytest.approx(1.5, abs=1e-3)
-    assert validate_spheres.Maugis(1e-3).pull_off == pytest.approx(2.0, abs=2e-3)
-    # JKR at no force: a³ = 9πwR²/2E*, six in these units; δ = a²/3R.
-    radius, approach = validate_spheres.Maugis(50.0).at_force(0.0)
-    assert radius**3 == pytest.approx(6, rel=2e-3)
-    assert approach == pytest.approx(radius**2 / 3, rel=2e-3)
 
 
 @pytest.mark.filterwarnings("ignore:grid too coarse")
 def test_the_contact_mechanics_challenge(capsys):
     assert contact_challenge.main(["--size", "2 um", "--points", "48", "96", "--pressures", "1 MPa", "4 MPa"]) == 0
-    said, errors = capsys.readouterr()
-    head, _, names, _, *rows, _, work, _, warning = said.splitlines()
+    said = capsys.readouterr().out
+    head, _, _, _, *rows, _, _, _, warning = said.splitlines()
     assert warning.startswith("The process zone has 0.1 of the finest spacing")
     assert "rms slope 1.000" in head
-    assert re.fullmatch(r"Pairs of transforms: \d+ on 48², \d+ on 96²\. Peak memory \d+\.\d GB\.", work)
-    assert [name.strip() for name in names.split("|")[3:-1]] == ["48²", "96²", "extrapolated", "error of the finest"]
     split = [[cell.strip() for cell in row.split("|")[1:-1]] for row in rows]
     cells = {(pressure, name): values for pressure, name, *values in split}
     for pressure in ("1000", "4000"):
@@ -253,7 +209,6 @@ def test_the_contact_mechanics_challenge(capsys):
         assert float(cells[pressure, "A/A₀"][3].split()[0]) == pytest.approx(100 * (fine / limit - 1), abs=0.1)
     assert float(cells["4000", "A/A₀"][1]) > float(cells["1000", "A/A₀"][1])
     assert float(cells["4000", "ū (µm)"][1]) < float(cells["1000", "ū (µm)"][1])
-    assert re.search(r"48²: \d+ pairs\n96²: \d+ pairs", errors)
 
 
 def test_the_challenge_goes_on_from_its_table(tmp_path, capsys, monkeypatch):
@@ -280,14 +235,6 @@ def test_touching_points_of_the_challenge_carry_the_load(capsys):
     assert 1 < found["A/A₀"] / found["A/A₀, Persson's theory of the hard wall"] < 1.6
 
 
-@pytest.mark.parametrize(
-    ("value", "limit", "words"),
-    [(1.0499, 1.0, "+5.0 %"), (0.9, 1.0, "-10.0 %"), (0.99951, 1.0, "< 0.1 %"), (0.0, 0.0, "none")],
-)
-def test_no_error_of_the_challenge_reads_minus_nothing(value, limit, words):
-    assert contact_challenge.error_of(value, limit) == words
-
-
 @pytest.mark.parametrize(("order", "limit"), [(1, 3.0), (2, 3.0)])
 def test_richardson_finds_the_order_of_three_grids(order, limit):
     spacing = [0.4, 0.2, 0.1]
@@ -296,27 +243,6 @@ def test_richardson_finds_the_order_of_three_grids(order, limit):
     assert contact_challenge.extrapolated([1.0, 1.0, 1.0], spacing) == 1.0
     for wild in ([3.0, 2.0, 1.99], [3.0, 2.0, 1.2], [1.0, 3.0, 2.0]):  # sixth order, a third, none
         assert contact_challenge.extrapolated(wild, spacing) == pytest.approx(2 * wild[-1] - wild[-2])
-
-
-def test_a_spheres_path_stands_beside_maugis(monkeypatch, capsys):
-    """Of numbers made up; `tests/bem_adhesion/test_paths.py` has the solver's."""
-
-    def made_up(radius, size, points, resolution):
-        unit, tip = np.pi * 0.02 * radius / size**2, size**2 / (12 * radius)
-        return {
-            "pull_off_pressure": -1.5 * unit,
-            "pull_off_pressure_resolution_error": 0.25 * unit,
-            "work_of_separation": 7 * (0.02**5 * radius**4 / 1e18) ** (1 / 3) / size**2,
-            "jump_in_separation": tip + 1.5e-9,
-            "jump_in_separation_resolution_error": 0.25e-9,
-            "jump_in_pressure": -0.125 * unit,
-        }
-
-    monkeypatch.setattr(sphere_path, "path", made_up)
-    assert sphere_path.main([]) == 0
-    cells = [row.strip("| ").split(" | ")[1:] for row in capsys.readouterr().out.splitlines()[2:]]
-    assert [row[0] for row in cells] == ["-1.750 to -1.500", "7.00", "1.25 to 1.50", "-0.125"]
-    assert [row[1] for row in cells[:2]] == ["-1.585", "12.98"]
 
 
 def test_the_work_of_separation_of_maugis_becomes_that_of_jkr():
@@ -343,9 +269,7 @@ def test_slow_motion_and_one_step_part_where_the_grid_is_coarser_than_the_proces
     words = "process zone 9.76 nm"
     with pytest.warns(UserWarning, match=words):
         contact_study.run(trapped_edges.study("exponential", 24, 0.2, 1))
-    before = table.read_text()
     assert trapped_edges.main([*asked, "--ratios", "0.2", "--figure", str(figure)]) == 0
-    assert table.read_text() == before
     assert figure.stat().st_size > 1000
 
 
@@ -357,11 +281,6 @@ def test_the_work_of_the_load_goes_into_the_energies(capsys):
         # The trapezoidal rule's second order, as two digits and few points that touch show it; 2e-3 on 64² points.
         assert 0 < half < one < 6e-3
         assert shown == pytest.approx(2, abs=0.5)
-
-
-def test_grids_of_the_challenge_increase(capsys):
-    assert contact_challenge.main(["--points", "128", "64"]) == 1
-    assert "must increase" in capsys.readouterr().err
 
 
 def test_adhesion_steepens_the_polymer_contact_by_a_fifth_at_its_threshold():
@@ -393,9 +312,6 @@ def test_gap_distributions_against_the_wall():
         assert found[1.0, 10.0] == pytest.approx(continuum[1.0, 10.0], rel=0.33), model
     shown = list(gap_distributions.lines(table.assign(standard_error=0.01)))
     assert len(shown) == 1 + len(gap_distributions.PRESSURES) * len(gap_distributions.DISTANCES)
-    error = 100 * (found[1.0, 10.0] / continuum[1.0, 10.0] - 1)
-    (row,) = (row for row in shown if row.startswith("| 1 | 10 |"))
-    assert row.endswith(f"| {error:+.1f} % |".replace("-", "−"))
 
 
 def test_dmt_limit_beside_the_edge_flow(monkeypatch):
@@ -434,22 +350,6 @@ def test_kernels_of_the_edge_flow_are_those_of_the_mean_over_directions():
     assert fitted == pytest.approx(edge_flow_kernels.exact(np.array([1.0, 4.0, 8.0]), 1.0), rel=0.2)
 
 
-def test_errors_of_kernels():
-    truth = pd.read_csv(edge_flow_kernels.SIMULATIONS)
-    truth = truth[(truth["model"] == "continuum") & (truth["branch"] == "loading")].pivot(
-        index=["ratio", "pressure_GPa"], columns="quantity", values="mean"
-    )
-    found = [
-        (words, ratio, pressure, 1.1 * means["relative_contact_area"], 0.8 * means["mean_gap"], 0.9, 12)
-        for words in edge_flow_kernels.kernels()
-        for (ratio, pressure), means in truth.iterrows()
-    ]
-    columns = ["model", "ratio", "pressure_GPa", "relative_contact_area", "mean_gap", "pressures", "surfaces"]
-    _, *rows = edge_flow_kernels.rows(pd.DataFrame(found, columns=columns))
-    assert len(rows) == 5 * 3
-    assert rows[0].endswith("| 1 ε0 | 10.0 (10.0) % | 20.0 (20.0) % | 0.90 | 12 |")
-
-
 def test_what_slow_loading_loses_is_what_the_table_says(tmp_path):
     """The warning's share is the largest of the trials, the page's that at the process zone of its grid."""
     table = pd.read_csv(contact_challenge.TRAPPED_EDGES)
@@ -458,3 +358,42 @@ def test_what_slow_loading_loses_is_what_the_table_says(tmp_path):
     coarse, fine = (100 * rows.less.mean() for _, rows in own.groupby("points"))
     words = f"at 0.2 of a spacing {coarse:.0f} % on 64² points and {fine:.0f} % on 128² points"
     assert contact_challenge.slow_loading(0.18) == words
+
+
+def test_choices_of_perssons_theory():
+    """The default choice is the theory's own state; the best one is named."""
+    waves = {"rms_height": "0.5 nm", "roll_off_mode": 2, "cutoff_mode": 6}
+    study = {
+        "surface": {"kind": "self_affine", "size": "20 nm", "shape": [32, 32], **waves},
+        "material": {"youngs_modulus": "50 GPa", "poissons_ratio": 0.3},
+        "interaction": {"work_of_adhesion": "0.05 J/m^2", "length": "0.5 nm"},
+        "loading": {"path": ["1 GPa"]},
+    }
+    dataset = contact_study.run({**study, "sweep": {"interaction.well_depth_ratio": [1]}})
+    (choices,) = persson_choices.scan(dataset).values()
+    assert len(choices) == 4 * 4 * 3 * 2
+    case = make_study(study).cases[0]
+    theory = PerssonTheory(realise(case).measured_spectrum(), case.solid, case.law.work_of_adhesion)
+    expected = abs(theory.at_pressure(1e9).relative_contact_area / dataset.relative_contact_area.item() - 1)
+    default = next(one for one in choices if (one.alpha, one.beta, one.true_area, one.capped) == (1, 0.4, "persson", 0))
+    assert default.deviation == pytest.approx(expected, rel=1e-12)
+    assert len({one.deviation for one in choices}) > 20
+    best = min(choices, key=lambda one: one.deviation)
+    assert f"α = {best.alpha:g}, β = {best.beta:g}, area {best.true_area}" in persson_choices.table({1.0: choices})
+
+
+@pytest.mark.filterwarnings("ignore:grid too coarse")
+def test_two_starts_under_adhesion_are_in_balance_and_approach_goes_further(capsys):
+    wave = 1e-9 * np.cos(2 * np.pi * np.arange(128) / 128) * np.ones((128, 1))
+    curvature = 1e-9 * (2 * np.pi / two_starts_with_adhesion.CELL) ** 2 / 2 / np.sqrt(2)
+    assert two_starts_with_adhesion.rms_curvature(wave) == pytest.approx(curvature, rel=1e-9)
+    assert two_starts_with_adhesion.main(["--points", "128"]) == 0
+    rows = [line.strip("| ").split(" | ") for line in capsys.readouterr().out.splitlines()[2:]]
+    assert [row[2] for row in rows] == ["separation", "the hard wall"]
+    approach, pressed = ([float(cell) for cell in row[3:]] for row in rows)
+    for area, bare, _, residual, _ in (approach, pressed):
+        assert area > 1.1 * bare
+        assert residual < 1e-8
+    assert approach[0] > pressed[0]
+    # Energies differ by a part of the adhesion of the area between the two, 5 mJ/m² of it.
+    assert abs(approach[2] - pressed[2]) < 5.0 * (approach[0] - pressed[0])

@@ -130,12 +130,13 @@ def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeyp
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     with xr.open_dataset(loop) as root:
         first = int(root.iterations[0])
-    for number, stop in enumerate((first - 5, 15)):  # on the way to the first point, to a later one
+    for number, stop in enumerate((first - 5, 15, 10**6)):  # on the way to the first point, to a later one, not at all
         stop_at(stop)
-        with pytest.raises(KeyboardInterrupt):
-            contact_study.run(FLOW, "continuum", output=path, resume=number > 0)
-    stop_at(10**6)
-    contact_study.run(FLOW, "continuum", output=path, resume=True)
+        if stop < 10**6:
+            with pytest.raises(KeyboardInterrupt):
+                contact_study.run(FLOW, "continuum", output=path, resume=number > 0)
+        else:
+            contact_study.run(FLOW, "continuum", output=path, resume=True)
     assert_equal_groups(groups_of(path), groups_of(loop))
 
 
@@ -149,15 +150,20 @@ def test_work_of_a_point_is_told_whether_the_run_was_stopped_before_it_or_not():
     assert resumed.report == whole.report
 
 
-def test_a_wall_without_attraction_has_one_state_by_any_path_and_full_contact_is_rest():
-    """Nothing at all is out of balance there, and no gap has a rounding."""
+def test_wall_without_attraction_has_one_state_by_any_path():
     wall = {"law": "hard_wall", "work_of_adhesion": None, "length": None, "contact_distance": None}
     flow, still = (
         contact_study.run(table(interaction={**wall, "well_depth_ratio": None}, solver=solver), "continuum")
         for solver in ({"path": "overdamped"}, {})
     )
     assert flow.relative_contact_area.item() == still.relative_contact_area.item() > 0
-    study = table(32, rms=0.2e-10, load=10e9, solver={"path": "overdamped"})
+
+
+def test_full_contact_with_a_wall_is_rest():
+    """Nothing at all is out of balance there, and no gap has a rounding."""
+    study = table(32, rms=0.2e-10, load=10e9)
     study["interaction"] = {"law": "exponential", "work_of_adhesion": 0.69, "length": "1.7 angstrom"}
+    study["solver"] = {"path": "overdamped"}
     found = contact_study.run(study, "continuum").isel(step=0)
-    assert found.relative_contact_area == found.converged == 1
+    assert found.relative_contact_area == 1
+    assert found.converged == 1

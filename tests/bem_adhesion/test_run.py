@@ -49,11 +49,14 @@ def test_steps_hold_the_schema_and_agree_with_their_fields(sections):
 
 
 def test_detached_steps_are_answers_with_nothing_in_contact():
-    case, surface = problem(loading={"path": [1e9, -3e9], "unload": False})
-    _, apart = recorded_path(case, run.solve_path(case, surface))
-    expected = {"detached": True, "converged": True, "relative_contact_area": 0, "mean_gap": np.inf}
-    assert expected.items() <= apart.values.items()
+    case, surface = problem(loading={"path": [1e9, -3e9, 1e9], "unload": False})
+    first, apart, again = recorded_path(case, run.solve_path(case, surface))
+    assert apart.values["detached"]
+    assert apart.values["converged"]
+    assert apart.values["relative_contact_area"] == 0
+    assert apart.values["mean_gap"] == np.inf
     assert "detached" in apart.values["message"]
+    assert again.values["relative_contact_area"] == first.values["relative_contact_area"]
 
 
 def test_heights_are_made_once_a_case(monkeypatch):
@@ -132,18 +135,23 @@ def test_a_grid_beyond_this_machine_is_not_proposed(tmp_path, monkeypatch, given
     tabor, pull_off = map(float, re.search(r"Tabor parameter (\S+), a sphere's pull-off \+(\S+) %", note).groups())
     assert 0.5 < tabor < 3
     assert 1 < pull_off < 20
-    # A part of a few points is no part of a rough surface, nor a range longer than it is high a way out.
+    # A part of a few points is no part of a rough surface.
     monkeypatch.setattr(memory, "_memory", lambda: 1e4 * 100.0)
     assert "take a part" not in notes(law)[0]
+
+
+def test_a_range_that_is_longer_than_the_roughness_is_high_is_no_way_out(monkeypatch):
+    monkeypatch.setattr(memory, "_memory", lambda: 1e6 * 100.0)
     (note,) = review(64, surface={"size": 1e-3}, interaction={"length": 1e-9, "contact_distance": 1.2e-9})
     assert "cannot be resolved here" in note
     assert "accept" not in note
 
 
-def test_a_law_that_no_grid_point_feels_is_refused():
+@pytest.mark.parametrize("keys", [{"size": 3.0}, {"size": 3.0, "rms_height": 0.03}])
+def test_a_law_that_no_grid_point_feels_is_refused(keys):
     with pytest.raises(InputError, match=r"surface\.size, surface\.shape: .* beyond 100000"):
-        review(64, surface={"size": 3.0})
-    assert review(64, surface={"size": 3.0}, **HARD_WALL) == []
+        review(64, surface=keys)
+    assert review(64, surface=keys, **HARD_WALL) == []
 
 
 def test_below_one_point_a_process_zone_the_state_is_said_to_depend_on_the_way():
@@ -168,23 +176,46 @@ def test_the_longest_range_of_rubber_is_proposed_with_the_shape_it_needs():
     assert review(json.loads(shape)[0], interaction=longer, **soft) == []
     (other,) = review(64, interaction=longer, **soft)
     assert other.endswith(f"surface.shape = {shape} (0.47 GB) resolves it")
-    # On finer grids a range that they resolve and that stays JKR-like is all that is proposed.
-    (other,) = review(2304, interaction=law, **soft)
-    assert re.search(r'interaction\.length = ".*?" of the same work of adhesion \(Tabor .*\) resolves it$', other)
-    assert "surface.shape" not in other
     # What half the points resolve is 1.4 times as long: no longer JKR-like.
     assert f"surface.shape = {shape}" in review(json.loads(shape)[0] // 2, interaction=law, **soft)[0]
 
 
-def coated(kind, thickness, base):
-    of_base = {"base_youngs_modulus": base, "base_poissons_ratio": 0.42} if kind == "layered" else {}
-    return {"elasticity": {"kind": kind, "thickness": thickness, **of_base}}
+def test_a_range_that_the_grid_resolves_and_that_stays_jkr_like_is_all_that_is_proposed():
+    soft, law = SOFT, SOFT_LAW | {"length": 3e-10}
+    (note,) = review(2304, interaction=law, **soft)
+    longer = re.search(r'interaction\.length = "(.*?)" of the same work of adhesion \(Tabor .*\) resolves it$', note)[1]
+    assert "surface.shape" not in note
+    assert review(2304, interaction=law | {"length": longer}, **soft) == []
+    shorter = 0.95 * quantity(longer, "m", "")
+    assert review(2304, interaction=law | {"length": shorter}, **soft) != []
 
 
-@pytest.mark.parametrize("kind", ["layer", "layered"])
-def test_a_layer_thinner_than_the_grid_is_said(kind):
+def layer(thickness, ratio=0.42):
+    return {"elasticity": {"kind": "layer", "thickness": thickness}, "material": {"poissons_ratio": ratio}}
+
+
+@pytest.mark.parametrize("sections", [{}, HARD_WALL])
+def test_layers_are_run_and_their_compression_parts_gap_and_separation(sections):
+    case, surface = problem(48, **layer(50e-10), **sections, loading={"path": [2e9, 2.02e9]})
+    one, two = (step.values for step in recorded_path(case, run.solve_path(case, surface)))
+    compression = (1 + 0.42) * (1 - 2 * 0.42) / ((1 - 0.42) * 77.2e9) * 50e-10
+    assert one["mean_gap"] - one["mean_separation"] == pytest.approx(compression * one["mean_pressure"], rel=1e-9)
+    energy = [values["elastic_energy"] + values["interaction_energy"] for values in (one, two)]
+    # The mean of both pressures to second order in their difference, 1 %.
+    moved = two["mean_separation"] - one["mean_separation"]
+    assert (energy[1] - energy[0]) / moved == pytest.approx(-2.01e9, rel=1e-3)
+
+
+def coated(thickness, base):
+    kind = {"kind": "layered", "thickness": thickness, "base_youngs_modulus": base, "base_poissons_ratio": 0.42}
+    return {"elasticity": kind}
+
+
+@pytest.mark.parametrize("solid", [layer, lambda thickness: coated(thickness, 100e9)])
+def test_a_layer_thinner_than_the_grid_is_said(solid):
     for thickness, said in ((9e-10, True), (12e-10, False)):
-        notes = [note for note in review(48, **coated(kind, thickness, 100e9)) if "layer" in note]
+        study = make_study(study_table(48, size=500e-10, loading={"path": [1e9]}, **solid(thickness)))
+        notes = [note for note in run.review(study, study.scales) if "layer" in note]
         assert len(notes) == said
         if said:
             assert "the layer of 9e-10 m is thinner than the grid spacing 1.04e-09 m" in notes[0]
@@ -192,8 +223,8 @@ def test_a_layer_thinner_than_the_grid_is_said(kind):
 
 def test_the_process_zone_is_that_of_the_softest_wave():
     """Of the coating itself it is 41 Å, five points of 64; long waves feel a softer or a stiffer base."""
-    (note,) = review(64, **coated("layered", 20e-10, 7.72e9))
+    (note,) = review(64, **coated(20e-10, 7.72e9))
     zone = quantity(re.search(r"the process zone (\S+ \S+):", note)[1], "m", "")
     # The longest wave, 500 Å, is 25 times as long as the coating is thick, and its modulus not quite the base's.
     assert 4.1e-10 < zone < 1.5 * 4.1e-10
-    assert review(64, **coated("layered", 20e-10, 772e9)) == review(64) == []
+    assert review(64, **coated(20e-10, 772e9)) == review(64) == []
