@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from contact_study.inputs.errors import InputError
-from contact_study.numerics.time_series import statistics_of
-from md_reference.thermal.checkpoint import ChainState, Frame, TrajectoryState, pack_generator, unpack_generator
+from md_reference.thermal.checkpoint import ChainState, Frame, TrajectoryState
 from md_reference.thermal.equilibration import (
     Descent,
     TemperatureStatistics,
@@ -22,36 +21,35 @@ def descent(carried, load=1e9, speed=0.0, terminal_speed=np.inf, impact=0.0):
     return Descent(np.asarray(carried), load, bool(np.any(carried)), speed, terminal_speed, impact)
 
 
-def missing(carried, **options):
-    residual, message = load_missing(descent(carried), CONTACT_MODULUS, **options)
-    return residual * CONTACT_MODULUS, message
+NOISE = np.random.default_rng(0).normal(scale=2e8, size=400)  # its mean errs by 1e7
+NOISE -= NOISE.mean()
+# Four standard errors of a block that bounces are 0.4 of its load: by chance for a thermostat, not for swings.
+BOUNCING = 10 * NOISE / (NOISE.std() / 2e8)
+# The block lands half-way: the series has an error that would account for the half of the load.
+LANDING = np.where(np.arange(100) < 50, 0.0, 1e9) + 0.1 * NOISE[:100]
 
 
-def test_the_load_is_carried_within_the_error_of_the_mean():
-    noise = np.random.default_rng(0).normal(scale=2e8, size=400)  # its mean errs by 1e7
-    noise -= noise.mean()
-    assert missing(1e9 + noise) == (pytest.approx(0, abs=1e-1), "")
-    assert missing(1.03e9 + noise)[1] == ""
-    lacking, message = missing(1.06e9 + noise)
-    assert lacking == pytest.approx(6e7)
-    assert message.startswith("the interface carried 1.06e+09 ± 1e+07 Pa on average, not the 1e+09 Pa applied")
-    assert missing(0.995e9 + 1e-4 * noise)[1] == ""
-    assert missing(0.985e9 + 1e-4 * noise)[1]
-    # The block lands half-way: the series has an error that would account for the half of the load.
-    landing = np.where(np.arange(100) < 50, 0.0, 1e9) + 0.1 * noise[:100]
-    assert 4 * statistics_of(landing).standard_error > 5e8
-    assert missing(landing)[1]
-    # Four standard errors of a block that bounces are 0.4 of its load: by chance for a thermostat, not for swings.
-    bouncing = 10 * noise / (noise.std() / 2e8)
-    assert missing(1.2e9 + bouncing)[1] == ""
-    lacking, message = missing(1.2e9 + bouncing, swings=True)
-    assert lacking == pytest.approx(2e8)
-    assert message.startswith("the interface carried 1.2e+09 ± ")
-    assert missing(1.05e9 + bouncing, swings=True)[1] == ""
-    # One state has no error to miss the load by.
-    assert missing([0.995e9])[1] == ""
-    said = "the interface carried 9.8e+08 Pa on average, not the 1e+09 Pa applied: raise dynamics.duration"
-    assert missing([0.98e9])[1] == said
+@pytest.mark.parametrize(
+    ("carried", "swings", "words"),
+    [
+        (1e9 + NOISE, False, ""),
+        (1.03e9 + NOISE, False, ""),
+        (1.06e9 + NOISE, False, "the interface carried 1.06e+09 ± 1e+07 Pa on average, not the 1e+09 Pa applied"),
+        (0.995e9 + 1e-4 * NOISE, False, ""),
+        (0.985e9 + 1e-4 * NOISE, False, "the interface carried"),
+        (LANDING, False, "the interface carried"),
+        (1.2e9 + BOUNCING, False, ""),
+        (1.2e9 + BOUNCING, True, "the interface carried 1.2e+09 ± "),
+        (1.05e9 + BOUNCING, True, ""),
+        ([0.995e9], False, ""),  # one state has no error to miss the load by
+        ([0.98e9], False, "the interface carried 9.8e+08 Pa on average, not the 1e+09 Pa applied: raise dynamics.dur"),
+    ],
+)
+def test_the_load_is_carried_within_the_error_of_the_mean(carried, swings, words):
+    residual, message = load_missing(descent(carried), CONTACT_MODULUS, swings=swings)
+    assert message.startswith(words)
+    assert bool(message) == bool(words)
+    assert residual * CONTACT_MODULUS == pytest.approx(abs(np.mean(carried) - 1e9), abs=0.1)
 
 
 def test_what_is_said_of_a_block_on_its_way():
@@ -106,15 +104,6 @@ def test_a_block_that_rings_or_is_cold_is_in_no_equilibrium(given, words):
     assert bool(said) == bool(words)
 
 
-def test_a_generator_goes_on_where_it_stood():
-    generator = np.random.default_rng(7)
-    generator.random(3)
-    generator.integers(10, dtype=np.int32)  # leaves half a word
-    other = unpack_generator(pack_generator(generator))
-    np.testing.assert_array_equal(*(each.integers(10, size=3, dtype=np.int32) for each in (other, generator)))
-    np.testing.assert_array_equal(other.standard_normal(5), generator.standard_normal(5))
-
-
 def checkpoints():
     rng = np.random.default_rng(1)
     motion = Motion(rng.standard_normal((3, 7)), rng.standard_normal((3, 7)), 2e-9, -300.0, 2e-12)
@@ -124,29 +113,16 @@ def checkpoints():
     return TrajectoryState(motion, rng, 3, True, 2, 20, 412, series), chain
 
 
-@pytest.mark.parametrize("number", [0, 1])
-def test_a_checkpoint_is_the_same_again(number):
+@pytest.mark.parametrize(("number", "lost"), [(0, "series"), (1, "pressures")])
+def test_a_checkpoint_is_the_same_again_unless_of_another_version(number, lost):
     before = checkpoints()[number]
-    after = type(before).unpack(before.pack())
-    for name, values in before.pack().items():
-        np.testing.assert_array_equal(after.pack()[name], values)
+    kept = before.pack()
+    after = type(before).unpack(kept)
+    for name, values in after.pack().items():
+        np.testing.assert_array_equal(kept[name], values)
     assert after.generator.random() == before.generator.random()
+    kept[lost] = kept[lost][..., :3]
     if number:
-        assert (after.pressures, after.converged) == ([1e9, 2e9], True)
-        assert (after.sampler.trajectories, after.sampler.accepted, after.sampler.evaluations) == (2, 1, 9)
-        return
-    assert (after.motion.top, after.motion.top_velocity, after.motion.time) == (2e-9, -300.0, 2e-12)
-    assert (after.point, after.touched, after.frame, after.frames, after.steps) == (3, True, 2, 20, 412)
-    assert after.series == before.series
-
-
-@pytest.mark.parametrize("number", [0, 1])
-def test_a_checkpoint_of_another_version_is_refused(number):
-    state = checkpoints()[number]
-    kept = state.pack()
-    if number:
-        del kept["pressures"]
-    else:
-        kept["series"] = kept["series"][:, :3]
+        del kept[lost]
     with pytest.raises(InputError, match="of another version of this program; drop it with --overwrite"):
-        type(state).unpack(kept)
+        type(before).unpack(kept)

@@ -157,17 +157,6 @@ def exact_height(y, x):
     return np.real(np.sum(np.where(m_x > 0, 2.0, 1.0) * WAVY * np.exp(1j * phase), axis=(-2, -1)))
 
 
-def test_height_between_sites_is_exact_to_fourth_order():
-    y, x = np.random.default_rng(3).uniform(-2, 3, (2, 500)) * np.array(SIZE)[:, None]
-    errors = []
-    for sites in ((40, 60), (80, 120), (160, 240)):
-        substrate = Substrate(sample(WAVY, sites), (SIZE[0] / sites[0], SIZE[1] / sites[1]))
-        errors.append(np.abs(substrate.height_and_cosine(y, x)[0] - exact_height(y, x)).max())
-    rates = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert np.all((rates > 3.7) & (rates < 4.3))
-    assert errors[-1] < 1e-15  # 1e-5 Å
-
-
 def test_samples_are_refined_until_the_height_is_as_exact_as_asked():
     coarse, fine = (sample_substrate(lambda shape: sample(WAVY, shape), SIZE, (16, 16), t) for t in (np.inf, 1e-14))
     y, x = np.random.default_rng(4).uniform(0, 1, (2, 500)) * np.array(SIZE)[:, None]

@@ -75,7 +75,6 @@ def parts_of(diagonal, known=None, parts=None):
 def random_matrices(shape, seed):
     rng = np.random.default_rng(seed)
     diagonal = rng.standard_normal((6, *shape)) * 10.0 ** rng.uniform(-3, 3, shape)
-    diagonal[:, 0, 0] = [2, 2, 2, 0, 0, 0]  # no one direction
     diagonal[:, 0, 1] = [-1, -2, -3, 0, 0, 0]  # attracted every way: all of it is tail
     return diagonal
 
@@ -84,17 +83,15 @@ def test_core_is_the_stiffest_direction_of_each_atom():
     diagonal = random_matrices((20, 30), 4)
     _, (normal, removed, core) = parts_of(diagonal)
     values, vectors = np.linalg.eigh(matrices_of(diagonal))
-    stiffness = np.maximum(values[..., 2], 0)
-    has_core = core > 0
+    stiffness, has_core = np.maximum(values[..., 2], 0), core > 0
     assert np.all(has_core[stiffness > 0.05])
     assert np.any(~has_core & (stiffness > 0))
     assert np.all(removed[~has_core] == 0)
     expected = 1 - np.sqrt(0.5 / (stiffness + 0.5)), stiffness / (stiffness + 0.5) / (stiffness + 3.0)
     np.testing.assert_allclose(removed[has_core], expected[0][has_core], atol=1e-9)
     np.testing.assert_allclose(core[has_core], expected[1][has_core], atol=1e-9)
-    along = np.abs(np.sum(np.moveaxis(normal, 0, -1) * vectors[..., 2], axis=-1))
-    along[0, 0] = np.linalg.norm(normal[:, 0, 0])
     # Two eigenvalues may be close, and rounding then turns their directions.
+    along = np.abs(np.sum(np.moveaxis(normal, 0, -1) * vectors[..., 2], axis=-1))
     np.testing.assert_allclose(along[has_core], 1, atol=1e-6)
 
 
@@ -116,20 +113,6 @@ def tilted(stiffness, shape, rng, largest_tilt):
     tilt = rng.uniform(-largest_tilt, largest_tilt, (2, *shape))
     x, y, z = np.array([tilt[0], tilt[1], np.ones(shape)]) / np.sqrt(1 + np.sum(tilt**2, axis=0))
     return stiffness * np.array([x * x, y * y, z * z, x * y, x * z, y * z])
-
-
-def test_a_stiff_core_costs_few_iterations():
-    rng, shape = np.random.default_rng(5), (64, 64)
-    touching = np.add.outer(np.arange(64), np.zeros(64)) < 25
-
-    def stiff(largest):
-        return tilted(np.where(touching, 10 * largest * rng.uniform(0.3, 3, shape), -1e-4 * largest), shape, rng, 0.4)
-
-    solver, _ = system(0.01, diagonal=stiff, shape=shape)
-    found = solver.solve(rng.standard_normal((3, *shape)), 1e-2, 300)
-    # Measured 5; without the core's part 20, without B 48, with vertical normals 94.
-    assert not found.indefinite
-    assert found.iterations < 12
 
 
 def test_a_halved_preconditioner_needs_as_many_iterations(monkeypatch):
@@ -158,11 +141,8 @@ def test_a_halved_preconditioner_needs_as_many_iterations(monkeypatch):
 def preconditioners(shape=LARGE):
     coefficients = stiffness_of(shape).coefficients.astype(np.float32)
     coefficients[2, 0, 0] = 0
-    shift = 0.02 * float(coefficients.max())
-    return [
-        preconditioner_of([RealTransform((3, *shape), np.float32)], coefficients, shift, halvings)
-        for halvings in (0, HALVINGS)
-    ]
+    given = [RealTransform((3, *shape), np.float32)], coefficients, 0.02 * float(coefficients.max())
+    return [preconditioner_of(*given, halvings) for halvings in (0, HALVINGS)]
 
 
 def applied(preconditioner, field):

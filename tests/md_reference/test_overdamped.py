@@ -193,15 +193,6 @@ def test_work_of_a_point_is_told_whether_the_run_was_stopped_before_it_or_not():
     assert resumed.report == whole.report
 
 
-def test_few_steps_are_reported():
-    flow = {**FLOW, "solver": {"max_iterations": 5}, "loading": {"path": ["1 GPa"]}}
-    with pytest.warns(UserWarning, match="did not converge"):
-        dataset = contact_study.run(changed(**flow), "atomistic")
-    assert dataset.converged.item() == 0
-    assert dataset.iterations.item() == 5
-    assert "max_iterations" in dataset.message.item()
-
-
 @pytest.mark.parametrize(
     ("sections", "words"),
     [
