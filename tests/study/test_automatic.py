@@ -57,11 +57,16 @@ def test_the_range_is_a_tenth_of_the_rms_height_at_most():
 
 
 def test_each_point_of_a_sweep_has_its_own():
-    study, cases = case(sweep={"interaction.well_depth_ratio": [1, 8], "surface.radius": ["100 um", "800 um"]})
+    radii = ["100 um", "800 um"]
+    study, cases = case(sweep={"interaction.well_depth_ratio": [1, 8], "surface.radius": radii})
     # ℓ ∝ (R Δγ²)^(1/3), to two digits.
     lengths = np.array([one.law.length for one in cases])
     np.testing.assert_allclose(lengths / lengths[0], [1, 2, 4, 8], rtol=0.1)
     assert len(study.choices) == 4
+    exception = {"when": {"surface.radius": "800 um"}, "interaction.length": "auto"}
+    study, (given, chosen) = case(sweep={"surface.radius": radii}, override=[exception], length="1 nm")
+    assert given.law.length == 1e-9 < 1e-7 < chosen.law.length
+    assert len(study.choices) == 1
 
 
 def test_a_solid_stiffer_along_its_normal_has_a_shorter_one():
@@ -73,21 +78,11 @@ def test_a_solid_stiffer_along_its_normal_has_a_shorter_one():
     assert study.choices[0].endswith(f"Tabor parameter {tabor:.2g}: JKR-like")
 
 
-def test_an_override_may_ask_for_it():
-    exception = {"when": {"surface.radius": "800 um"}, "interaction.length": "auto"}
-    study, cases = case(sweep={"surface.radius": ["100 um", "800 um"]}, override=[exception], length="1 nm")
-    assert cases[0].law.length == 1e-9
-    assert cases[1].law.length > 1e-7
-    assert len(study.choices) == 1
-
-
 @pytest.mark.parametrize(
     ("surface", "keys", "culprit"),
     [
         ({"kind": "flat", "size": 1e-6, "shape": [8, 8]}, {}, "a flat surface has no curvature"),
         (SPHERE, {"law": "hard_wall"}, "does not attract"),
-        (SPHERE, {"law": "nothing"}, "interaction.law"),
-        (SPHERE, {"length": "automatic"}, "interaction.length"),
         (SPHERE, {"work_of_adhesion": "1 N"}, "interaction.work_of_adhesion"),
         ({"kind": "file", "path": "nowhere.npy", "size": 1e-6}, {}, "nowhere.npy does not exist"),
         (SPHERE, {"work_of_adhesion": None, "well_depth": "10 meV"}, r"needs interaction\.work_of_adhesion"),

@@ -29,11 +29,6 @@ def notes(folder, text=STUDY, **overrides):
     return read_study(folder / "study.toml", keys).notes
 
 
-def test_with_units_nothing_is_said(tmp_path):
-    assert notes(tmp_path) == ()
-    assert notes(tmp_path, STUDY + '[sweep]\n"surface.seed" = [1, 2]\n"surface.rms_height" = ["1 nm", "2 nm"]\n') == ()
-
-
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
@@ -51,6 +46,12 @@ def test_bare_numbers_are_named_with_the_unit_they_are_taken_in(tmp_path, old, n
     assert "\n" not in line
 
 
+def test_with_units_zero_and_from_python_nothing_is_said(tmp_path):
+    assert notes(tmp_path, STUDY + '[sweep]\n"surface.seed" = [1, 2]\n"surface.rms_height" = ["1 nm", "2 nm"]\n') == ()
+    assert notes(tmp_path, STUDY.replace('["1 GPa", "2 GPa"]', '[0]\ncontrol = "gap"')) == ()
+    assert make_study(tomllib.loads(STUDY) | {"loading": {"path": [1e6]}}).notes == ()
+
+
 def test_of_many_three_are_shown(tmp_path):
     text = STUDY.replace('"100 nm"', "1e-7").replace('"1 nm"', "1e-9").replace('"77 GPa"', "7.7e10")
     (line,) = notes(tmp_path, text.replace('["1 GPa", "2 GPa"]', "[1e9]"))
@@ -63,9 +64,3 @@ def test_exceptions_and_the_command_line_count_too(tmp_path):
     exception = '[[override]]\nwhen = { "surface.seed" = 1 }\n"surface.rms_height" = 2\n'
     assert "surface.rms_height = 2 is 2 m" in notes(tmp_path, swept + exception)[0]
     assert "surface.size = 10 is 10 m" in notes(tmp_path, surface__size=10)[0]
-
-
-def test_zero_and_tables_from_python_need_no_unit(tmp_path):
-    assert notes(tmp_path, STUDY.replace('["1 GPa", "2 GPa"]', '[0]\ncontrol = "gap"')) == ()
-    table = tomllib.loads(STUDY)
-    assert make_study(table | {"loading": {"path": [1e6]}}).notes == ()

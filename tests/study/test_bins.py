@@ -40,25 +40,18 @@ def test_detachment_stress_of_perssons_theory_fits_and_nothing_beyond_full_conta
     assert bins_of(make_study(table)).pressure_edges[0] > -cracks
 
 
-@pytest.mark.parametrize("normalisation", ["spectrum", "realised"])
-def test_seeds_have_the_same_bins(normalisation):
-    one, other = (
-        bins_of(make_study(changed("surface", normalisation=normalisation) | {"sweep": {"surface.seed": seeds}}))
-        for seeds in ([1], [3, 4])
-    )
+def test_seeds_have_the_same_bins():
+    one, other = (bins_of(make_study(changed("sweep", **{"surface.seed": seeds}))) for seeds in ([1], [3, 4]))
     np.testing.assert_array_equal(other.pressure_edges, one.pressure_edges)
     np.testing.assert_array_equal(other.gap_edges, one.gap_edges)
 
 
-@pytest.mark.parametrize(
-    "surface", [{"cutoff_mode": 12, "roll_off_mode": 3}, {"cutoff_mode": 28, "hurst_exponent": 0.3}]
-)
-def test_surfaces_fit_into_the_bins(surface):
+def test_surfaces_fit_into_the_bins():
     """One surface in fifty may be higher than its bins expect, by the choice of the expected number of such places."""
-    table = changed("surface", normalisation="spectrum", **surface)
+    table = changed("surface", cutoff_mode=28, hurst_exponent=0.3, normalisation="spectrum")
     table["sweep"] = {"surface.seed": list(range(100))}
     study = make_study(table)
-    (scale,) = set(make_study(changed("surface", **surface)).scales)
+    (scale,) = set(make_study(changed("surface", cutoff_mode=28, hurst_exponent=0.3)).scales)
     surfaces = [realise(case) for case in study.cases]
     extreme = np.array([np.abs(one.heights(one.shape)).max() for one in surfaces])
     # Places of excess come singly at this height: Poisson, of mean 0.02 a surface, hence above 8 in 100 surfaces with a
@@ -75,7 +68,6 @@ def test_surfaces_fit_into_the_bins(surface):
     ("surface", "error"),
     [
         ({"kind": "wavy", "amplitude": "1 nm", "modes": [2, 3]}, 1e-12),
-        ({"kind": "wavy", "amplitude": "1 nm", "modes": [0, 3]}, 1e-12),
         # Sums over 256 points are the integrals to the square of their distance.
         ({"kind": "sphere", "radius": "50 nm", "shape": [256, 256]}, 1e-4),
         ({"kind": "flat"}, 0),

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from contact_study import run
 from contact_study.inputs.errors import InputError
 from contact_study.study.study import make_study
 
@@ -13,10 +12,6 @@ SPHERE = {
     "interaction": {"law": "hard_wall"},
     "loading": {"path": ["12 nN", "0.3 uN"]},
 }
-
-
-def with_path(path, **loading):
-    return {**SPHERE, "loading": {"path": path, **loading}}
 
 
 def test_forces_are_shared_out_over_the_cell():
@@ -38,22 +33,14 @@ def test_a_map_brings_its_own_cell(tmp_path):
     assert case.loading.path[0] == pytest.approx(12e-9 / 0.5e-12, rel=1e-12)
 
 
-def test_the_dataset_has_the_force_back():
-    table = with_path(["12 nN", "0.3 uN"], unload=True)
-    dataset = run(table)
-    # The solver meets the mean pressure to rounding: it scales the pressures to it.
-    np.testing.assert_allclose(dataset.total_force, [12e-9, 0.3e-6, 12e-9], rtol=1e-9)
-    np.testing.assert_allclose(dataset.applied_pressure * 6e-12, dataset.total_force, rtol=1e-9)
-
-
 @pytest.mark.parametrize(
-    ("table", "culprit"),
+    ("loading", "culprit"),
     [
-        (with_path(["12 nN", "2 MPa"]), r"loading\.path\[1\] = '2 MPa'.*expected a number in N"),
-        (with_path(["12 nN"], control="gap"), r"loading\.path\[0\] = '12 nN'.*expected a number in m"),
-        (with_path(["-12 nN"]), r"-2000 Pa cannot be carried"),
+        ({"path": ["12 nN", "2 MPa"]}, r"loading\.path\[1\] = '2 MPa'.*expected a number in N"),
+        ({"path": ["12 nN"], "control": "gap"}, r"loading\.path\[0\] = '12 nN'.*expected a number in m"),
+        ({"path": ["-12 nN"]}, r"-2000 Pa cannot be carried"),
     ],
 )
-def test_what_is_no_path_of_forces_is_named(table, culprit):
+def test_what_is_no_path_of_forces_is_named(loading, culprit):
     with pytest.raises(InputError, match=culprit):
-        make_study(table)
+        make_study({**SPHERE, "loading": loading})

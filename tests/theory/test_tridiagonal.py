@@ -8,7 +8,7 @@ from theory.edge_flow.kernels import _respond, compare, differences
 from theory.numerics.tridiagonal import factorise, solve
 
 
-@pytest.mark.parametrize("rows", [2, 3, 4, 7, 120, 121])
+@pytest.mark.parametrize("rows", [2, 3, 120])
 def test_a_matrix_and_its_transpose_are_solved(rows):
     random = np.random.default_rng(rows)
     lower, upper, aim = random.uniform(-1, 1, (3, rows))
@@ -34,8 +34,7 @@ def test_differences_are_exact_for_parabolas():
     assert cell[1:-1].sum() == pytest.approx((x[-1] + x[-2] - x[1] - x[0]) / 2)
 
 
-@pytest.mark.parametrize("kernel", [KERNEL, (0.1, 0.6, 2.5)])
-@pytest.mark.parametrize("nodes", [8, 31])
+@pytest.mark.parametrize(("nodes", "kernel"), [(8, KERNEL), (31, (0.1, 0.6, 2.5))])
 def test_the_response_solves_its_two_coupled_equations(nodes, kernel):
     random = np.random.default_rng(nodes)
     x = np.cumsum(random.uniform(0.5, 1.5, nodes))
