@@ -17,7 +17,7 @@ from contact_study.physics.roughness.spectrum import (
     spectrum_of,
 )
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer
-from contact_study.study.reading.tables import read_spectrum
+from contact_study.study.tables import read_spectrum
 from theory.criteria import StickinessCriteria, stickiness
 from theory.edge_flow.flow import EdgeFlow, edge_flow
 from theory.gap_flow.flow import GapFlow, gap_flow

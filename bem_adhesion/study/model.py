@@ -14,7 +14,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results import overdamped_path
-from contact_study.results.constants import InterfaceConstants, heights_on
+from contact_study.results.constants import heights_on
 from contact_study.results.state import Ensemble, InterfaceState, Value
 from contact_study.study.case import Case
 
@@ -39,20 +39,19 @@ def check(case: Case) -> None:
 def constants(case: Case, surface: Surface) -> dict[str, Value]:
     """Return the constants of a path."""
     law, modulus = case.law, case.solid.contact_modulus
-    known = InterfaceConstants(
-        contact_modulus=modulus,
-        work_of_adhesion=law.work_of_adhesion,
-        equilibrium_distance=law.equilibrium_distance,
-        peak_tensile_stress=law.peak_tensile_stress,
-        contact_distance=case.contact_distance,
-        rms_height=surface.rms_height,
-        rms_slope=surface.rms_slope,
-        pixel=max(surface.grid.spacing),
-        peak_distance=law.peak_distance if law.attracts else None,
-        process_zone=process_zone(modulus, law) if law.attracts else None,
-    )
-    fields = heights_on(surface.grid, surface.sampled) if case.output.fields else {}
-    return {**known.values, **fields}
+    adhesion = {"peak_distance": law.peak_distance, "process_zone": process_zone(modulus, law)} if law.attracts else {}
+    return {
+        "contact_modulus": modulus,
+        "work_of_adhesion": law.work_of_adhesion,
+        "equilibrium_distance": law.equilibrium_distance,
+        "peak_tensile_stress": law.peak_tensile_stress,
+        "contact_distance": case.contact_distance,
+        "rms_height": surface.rms_height,
+        "rms_slope": surface.rms_slope,
+        "pixel": max(surface.grid.spacing),
+        **adhesion,
+        **(heights_on(surface.grid, surface.sampled) if case.output.fields else {}),
+    }
 
 
 def solve_path(

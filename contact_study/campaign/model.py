@@ -89,9 +89,9 @@ MODELS: dict[str, Model] = {
 def check_study(model: Model, study: "Study") -> "tuple[Bins, list[str]]":
     """Check a study before any work; returns the bins of its distributions, and warnings about it as a whole."""
     from contact_study.study.bins import bins_of
-    from contact_study.study.checks import plausibility
+    from contact_study.study.checks import review
 
-    notes = [*study.notes, *plausibility.review(study)]
+    notes = [*study.notes, *review(study)]
     for case in study.cases:
         if case.surface.absent and model.kind != "theory":
             raise InputError(

@@ -25,7 +25,7 @@ from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import check_name, is_dataset, writable_output
 from contact_study.campaign.worker.case_run import Job, run_case
 from contact_study.inputs.errors import InputError
-from contact_study.study.checks.height_maps import describe_maps
+from contact_study.study.checks import describe_maps
 from contact_study.study.study import Study
 
 

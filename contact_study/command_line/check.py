@@ -29,7 +29,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(given: argparse.Namespace) -> int:
     """Check; the exit status is 1 if no model that is asked for can run the study."""
     from contact_study.command_line.terminal import print_table, say
-    from contact_study.study.checks.height_maps import describe_maps
+    from contact_study.study.checks import describe_maps
     from contact_study.study.study import read_study
 
     study = read_study(given.study, given.keys)

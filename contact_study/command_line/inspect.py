@@ -80,14 +80,14 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
 
     from contact_study.campaign.store.files import write_aside
     from contact_study.plots.style import DOUBLE, RESOLUTION
-    from contact_study.study.checks.height_maps import described, map_warnings
+    from contact_study.study.checks import described, map_warnings
 
     section, directory, words = _surface(path, overrides)
     if section.absent:
         raise InputError(f"{path}: has no [surface] to look at, a roughness spectrum only")
     scales = section.scales(directory)
     surface = section.realise(directory)
-    lines = [words, *described(surface.roughness, surface.sample, surface.filled)]
+    lines = [words, *described(surface.roughness)]
     lines += [f"warning: {line}" for line in map_warnings(str(section.map_path), scales)]
     if surface.roughness.rms_slope > 1:
         lines.append("warning: surface: an rms slope above 1; linear elasticity of a half-space is meant for far less")
@@ -100,9 +100,9 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
     table = figure.with_suffix(".csv")
     grid = surface.roughness.grid
     heights = surface.heights(grid.shape)
-    _picture(drawn, heights, grid, surface.sample)
+    _picture(drawn, heights, grid, surface.roughness.sample)
     write_aside(figure, lambda partial: drawn.savefig(partial, dpi=RESOLUTION, format=kind))
-    write_aside(table, lambda partial: _tabulate(partial, surface.sample.spectrum))
+    write_aside(table, lambda partial: _tabulate(partial, surface.roughness.sample.spectrum))
     return [*lines, f"{figure} (map and spectrum), {table} (spectrum)"]
 
 

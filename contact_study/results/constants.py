@@ -1,7 +1,6 @@
 """Quantities of a case that do not change along its path: interface, surface and grid, alike for every model."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -43,39 +42,15 @@ ROUGHNESS: dict[str, Variable] = {
 SPECTRUM_WAVEVECTOR = Variable("m-1", "roughness wavevector of the surface's own spectrum", ("spectrum_wavevector",))
 
 
-@dataclass(frozen=True)
-class InterfaceConstants:
-    """Constants of a case, named as in :data:`CONSTANTS`; None where a model has none."""
-
-    contact_modulus: float
-    work_of_adhesion: float
-    equilibrium_distance: float
-    peak_tensile_stress: float
-    contact_distance: float
-    rms_height: float
-    rms_slope: float
-    pixel: float | None = None
-    peak_distance: float | None = None
-    process_zone: float | None = None
-
-    @property
-    def values(self) -> Mapping[str, Value]:
-        """The constants by their names in a dataset."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
-
-
 def heights_on(grid: Grid, heights: np.ndarray) -> Mapping[str, Value]:
     """Heights of the surface and their positions (m), by their names in a dataset."""
     y, x = grid.coordinates
     return {"y": y, "x": x, "height": heights}
 
 
-def roughness_values(roughness: Roughness, sample: Roughness, filled: float) -> Mapping[str, Value]:
-    """Statistics of a periodic surface, and of its sample alone, by their names in a dataset.
-
-    ``filled`` is the fraction of the points of a measured map that were missing.
-    """
-    grid, fit, spectrum = roughness.grid, sample.fit, roughness.spectrum
+def roughness_values(roughness: Roughness) -> Mapping[str, Value]:
+    """Statistics of a periodic surface, and of a map's sample alone, by their names in a dataset."""
+    grid, fit, spectrum = roughness.grid, roughness.sample.fit, roughness.spectrum
     values: dict[str, Value] = {
         "surface_points_y": grid.shape[0],
         "surface_points_x": grid.shape[1],
@@ -84,7 +59,7 @@ def roughness_values(roughness: Roughness, sample: Roughness, filled: float) -> 
         "rms_curvature": roughness.rms_curvature,
         "edge_jump": roughness.edge_jump,
         "edge_jump_ratio": roughness.edge_ratio,
-        "filled_fraction": filled,
+        "filled_fraction": roughness.filled,
         "spectrum_wavevector": spectrum.wavevectors,
         "power_spectrum": spectrum.density,
     }

@@ -116,26 +116,12 @@ class Step:
 
 @dataclass(frozen=True)
 class Variable:
-    """Entry of a quantity in a dataset.
+    """Entry of a quantity in a dataset."""
 
-    Parameters
-    ----------
-    units : str
-        UDUNITS.
-    long_name : str
-        Meaning, as a noun phrase of at most 90 characters.
-    dims : tuple of str
-        Dimensions beyond those of the sweep.
-    kind : str
-        ``"float"``, ``"count"``, ``"flag"`` or ``"text"``.
-    attrs : dict
-        Further attributes.
-    """
-
-    units: str
-    long_name: str
-    dims: tuple[str, ...] = ("step",)
-    kind: str = "float"
+    units: str  # UDUNITS
+    long_name: str  # meaning, as a noun phrase of at most 90 characters
+    dims: tuple[str, ...] = ("step",)  # beyond those of the sweep
+    kind: str = "float"  # or "count", "flag", "text"
     attrs: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -162,18 +148,8 @@ class Variable:
 
 @dataclass(frozen=True)
 class Observable:
-    """Quantities that one function reads off a state.
-
-    Parameters
-    ----------
-    variables : mapping
-        Their entries by name.
-    read : callable
-        Function of a state and the study's bins that returns the quantities by name, as far as the state has them.
-    averaged : bool, optional
-        Whether an ensemble has the mean over its states, not the value of the last one.
-    """
+    """Quantities that one function reads off a state: their entries by name, and as many of them as the state has."""
 
     variables: Mapping[str, Variable]
     read: Callable[[InterfaceState, Bins], Mapping[str, Value]]
-    averaged: bool = True
+    averaged: bool = True  # whether an ensemble has the mean over its states, not the value of the last one

@@ -5,7 +5,7 @@ A :class:`Study` is the file, a :class:`~contact_study.study.case.Case` one poin
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,14 +16,17 @@ import tomli_w
 from contact_study.inputs import plugins
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
+from contact_study.inputs.units import length
+from contact_study.physics.laws import LAWS
 from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
 from contact_study.study import sweep
 from contact_study.study.case import Case
-from contact_study.study.reading import automatic
-from contact_study.study.reading.tables import TABLE, with_columns, with_spectrum
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, bare_numbers, is_sweep, replace_keys
-from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
+from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH
+from contact_study.study.schema.keys import TaggedUnion, bind, default_of, keys_of
 from contact_study.study.schema.surface import AbsentSurface, SurfaceSection
+from contact_study.study.tables import TABLE, with_columns, with_spectrum
 
 
 @dataclass(frozen=True)
@@ -145,7 +148,7 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
                 "-1 for the last"
             )
     keys = {dotted.rpartition(".")[2]: sweep.swept_key(dotted, written, cases) for dotted, written in swept.items()}
-    notes, choices = sweep.without_effect(table, merged), automatic.describe_choices(merged, cases)
+    notes, choices = sweep.without_effect(table, merged), _describe_choices(merged, cases)
     return Study(table, Path(directory), cases, keys, notes, choices)
 
 
@@ -185,7 +188,7 @@ def _case(
     for name, declared in SECTIONS.items():
         asked = merged[name]
         if name == "interaction":
-            asked = automatic.with_length(asked, bound, lambda: scales_of(bound["surface"]))
+            asked = _with_length(asked, bound, lambda: scales_of(bound["surface"]))
         if name == "surface" and not asked and theory.spectra == (TABLE,):
             bound[name] = AbsentSurface(wavevectors=theory.wavevectors, density=theory.density)
         else:
@@ -199,3 +202,55 @@ def _case(
     if case.surface in scales:
         case.__dict__["scales"] = scales[case.surface]
     return case
+
+
+def _with_length(
+    interaction: Mapping[str, Any], bound: Mapping[str, Any], scales: Callable[[], SurfaceScales]
+) -> dict[str, Any]:
+    """Replace ``length = "auto"`` of an interaction by the longest that leaves contacts JKR-like.
+
+    ``bound`` holds the sections of material and elasticity, ``scales`` gives the scales of the surface. Raises
+    InputError if nothing attracts, adhesion is not given as its work, the surface is flat or cannot be read.
+    """
+    given = dict(interaction)
+    if given.get("length") != AUTO:
+        return given
+    law = LAWS.get(str(INTERACTIONS.kind_of(given)))
+    if law is not None and not law.attracts:
+        raise InputError(f'{LENGTH} = "{AUTO}": law = "{INTERACTIONS.kind_of(given)}" does not attract; leave it out')
+    if "work_of_adhesion" not in given:
+        raise InputError(
+            f'{LENGTH} = "{AUTO}": needs interaction.work_of_adhesion, which pairs of atoms would make of it'
+        )
+    work, ratio = (
+        keys_of(INTERACTIONS)[name].read(given.get(name, default_of(INTERACTIONS, name)), f"interaction.{name}")
+        for name in ("work_of_adhesion", "well_depth_ratio")
+    )
+    surface = scales()
+    solid = bound["elasticity"].solid(bound["material"])
+    try:
+        given["length"] = longest_range(surface.rms_curvature, surface.rms_height, solid.contact_modulus, work * ratio)
+    except ValueError as error:
+        raise InputError(f'{LENGTH} = "{AUTO}": {error}; give the length of the interaction') from None
+    return given
+
+
+def _describe_choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple[str, ...]:
+    """Describe the values that were chosen, each once, from the tables and cases of all points of a sweep."""
+    lines = []
+    for table, case in zip(tables, cases, strict=True):
+        if table["interaction"].get("length") == AUTO:
+            scales = case.scales
+            tabor = tabor_parameter(
+                1 / scales.rms_curvature, case.solid.contact_modulus, case.work_of_adhesion, case.law.length
+            )
+            why = (
+                f"the longest of a Tabor parameter above {JKR_LIKE:g}"
+                if tabor / JKR_LIKE * case.law.length < SHARE_OF_HEIGHT * scales.rms_height
+                else "a tenth of the rms height"
+            )
+            lines.append(
+                f'range of adhesion ({LENGTH} = "{AUTO}"): {length(case.law.length)}, {why}; Tabor parameter '
+                f"{tabor:.2g}: JKR-like"
+            )
+    return tuple(dict.fromkeys(lines))

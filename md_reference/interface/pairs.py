@@ -145,7 +145,7 @@ def flat_adhesion(
 ) -> dict[str, float]:
     """Measure a flat layer of block atoms on flat substrate sites ``spacing`` apart, averaged over the registry.
 
-    Work of adhesion (J/m²), peak tension (Pa) and distances (m), as in :class:`.InterfaceConstants`. No
+    Work of adhesion (J/m²), peak tension (Pa) and distances (m), by their names in a dataset. No
     traction–separation law enters: the values can confirm or refute the continuum's.
     """
     steps = (spacing[0] / _SHIFTS[0], spacing[1] / _SHIFTS[1])

@@ -9,12 +9,11 @@ from contact_study.inputs.units import length
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results import overdamped_path
-from contact_study.results.constants import InterfaceConstants, heights_on
+from contact_study.results.constants import heights_on
 from contact_study.results.observables.atoms import substrate_sites
 from contact_study.results.state import Value
 from contact_study.study.case import Case
-from contact_study.study.checks.idle_keys import idle_motion
-from contact_study.study.checks.plausibility import contact_stress, squeeze
+from contact_study.study.checks import contact_stress, idle_motion, squeeze
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from md_reference.block.condensed import effective_contact_modulus
@@ -174,16 +173,13 @@ def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
     stiffness = build_stiffness(case)
     pairs = case.well_depth, case.law.length, case.atomistic.cutoff
     heights = surface.heights(case.lattice.atoms)
-    known = InterfaceConstants(
-        contact_modulus=effective_contact_modulus(stiffness, heights),
-        contact_distance=case.contact_distance,
-        rms_height=surface.rms_height,
-        rms_slope=surface.rms_slope,
-        pixel=stiffness.lattice_constant,
-        **flat_adhesion(case.lattice.site_spacing, stiffness.area_per_atom, *pairs),
-    )
     found = {
-        **known.values,
+        "contact_modulus": effective_contact_modulus(stiffness, heights),
+        "contact_distance": case.contact_distance,
+        "rms_height": surface.rms_height,
+        "rms_slope": surface.rms_slope,
+        "pixel": stiffness.lattice_constant,
+        **flat_adhesion(case.lattice.site_spacing, stiffness.area_per_atom, *pairs),
         **heights_on(stiffness.grid, heights),
         "wavevector": stiffness.grid.wavenumber[0, 1:],
         "contact_modulus_at": stiffness.contact_modulus[0, 1:],

@@ -1,13 +1,11 @@
 """Every observable on a state made by hand, under names and in the units of its entry."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.grid import Grid
-from contact_study.results.constants import CONSTANTS, InterfaceConstants, heights_on
+from contact_study.results.constants import heights_on
 from contact_study.results.observables import ENTRIES, OBSERVABLES, observed, recorded
 from contact_study.results.observables.area import OVERCOUNT
 from contact_study.results.observables.mechanics import FURTHER
@@ -117,13 +115,7 @@ def test_names_are_spelt_once_and_have_entries():
         np.asarray(value).astype(VARIABLES[name].dtype)
 
 
-def test_constants_have_an_entry_each_and_are_left_out_where_there_is_none():
-    names = [field.name for field in dataclasses.fields(InterfaceConstants)]
-    # The campaign itself knows the law's length of every case.
-    assert {*names, "height", "interaction_length"} == set(CONSTANTS)
-    every = InterfaceConstants(*(float(number) for number in range(len(names))))
-    assert every.values == {name: float(number) for number, name in enumerate(names)}
-    assert set(dataclasses.replace(every, peak_distance=None).values) == set(names) - {"peak_distance"}
+def test_heights_stand_on_their_positions():
     found = heights_on(Grid((2, 3), (4e-9, 9e-9)), np.ones((2, 3)))
     np.testing.assert_allclose(found["y"], [0, 2e-9], rtol=1e-15)
     np.testing.assert_allclose(found["x"], [0, 3e-9, 6e-9], rtol=1e-15)

@@ -165,7 +165,7 @@ def test_esri_grid_and_its_missing_heights(tmp_path, heights):
     torn[2, 3] = np.mean([torn[1, 3], torn[3, 3], torn[2, 2], torn[2, 4]])
     # The mean is taken before filling, of the heights that are there, and once more after it.
     taken(found, 1e-9 * torn)
-    assert found.filled == pytest.approx(1 / 48, abs=0, rel=1e-9)
+    assert found.roughness.filled == pytest.approx(1 / 48, abs=0, rel=1e-9)
     (tmp_path / "map.asc").write_text(head.replace("nrows 6", "nrows 5") + rows(torn))
     assert "header says 5 x 8" in refused(tmp_path, "map.asc", **keys)
 
@@ -181,7 +181,7 @@ def test_points_in_any_order_with_whole_lines_missing(tmp_path, heights):
     np.savetxt(tmp_path / "map.xyz", left, fmt="%.4f")
     found = surface(tmp_path, "map.xyz", **keys)
     assert found.shape == (6, 8)
-    assert found.filled == pytest.approx(1 / 8, abs=0, rel=1e-9)
+    assert found.roughness.filled == pytest.approx(1 / 8, abs=0, rel=1e-9)
     np.savetxt(tmp_path / "map.xyz", np.vstack([points, points[:1]]))
     assert "two heights for one place" in refused(tmp_path, "map.xyz", **keys)
     np.savetxt(tmp_path / "map.xyz", points + [[0.02, 0.0, 0.0]] * (points[:, :1] > 0.45))

@@ -6,8 +6,7 @@ import pytest
 from contact_study.inputs.errors import InputError
 from contact_study.physics.roughness.statistics import SelfAffineFit
 from contact_study.study.case import realise
-from contact_study.study.checks.height_maps import describe_maps, described, law_in_words, map_warnings
-from contact_study.study.checks.plausibility import review
+from contact_study.study.checks import describe_maps, described, law_in_words, map_warnings, review
 from contact_study.study.study import make_study
 from tests.study.test_study import TABLE, changed
 
@@ -44,10 +43,10 @@ def test_edges_that_do_not_meet(tmp_path, heights):
 @pytest.mark.parametrize("edges", ["periodic", "window"])
 def test_what_is_told_of_a_map_is_its_own_whatever_becomes_of_its_edges(tmp_path, heights, edges):
     (scales,) = study_of(tmp_path, heights[:256, :256], size="1 um", edges=edges).scales
-    part = study_of(tmp_path, heights, edges=edges).scales[0].sample.rms_slope
-    assert scales.sample.rms_slope == pytest.approx(part, abs=0, rel=0.1)  # a quarter of the surface
-    assert scales.rms_curvature == scales.sample.rms_curvature
-    fit = scales.sample.fit
+    part = study_of(tmp_path, heights, edges=edges).scales[0].measured.sample.rms_slope
+    assert scales.measured.sample.rms_slope == pytest.approx(part, abs=0, rel=0.1)  # a quarter of the surface
+    assert scales.rms_curvature == scales.measured.sample.rms_curvature
+    fit = scales.measured.sample.fit
     # A quarter of the surface; the roll-off is among two waves a side.
     assert fit.hurst_exponent == pytest.approx(0.8, abs=0.05)
     assert 2 * np.pi / fit.cutoff == pytest.approx(20e-9, abs=0, rel=0.03)
@@ -55,12 +54,12 @@ def test_what_is_told_of_a_map_is_its_own_whatever_becomes_of_its_edges(tmp_path
     if edges == "periodic":
         assert scales.rms_slope > 1.3 * part
         (line,) = map_warnings("map.npy", scales)
-        assert f"has an rms slope of {scales.rms_slope:.3g} in place of {scales.sample.rms_slope:.3g};" in line
+        assert f"has an rms slope of {scales.rms_slope:.3g} in place of {scales.measured.sample.rms_slope:.3g};" in line
 
 
 def test_points_or_waves_that_are_left_out_do_not_count(tmp_path, heights):
     whole, lowpass, fewer = (
-        study_of(tmp_path, heights[:256, :256], size="1 um", **keys).scales[0].sample.rms_slope
+        study_of(tmp_path, heights[:256, :256], size="1 um", **keys).scales[0].measured.sample.rms_slope
         for keys in ({}, {"lowpass": "40 nm"}, {"resample": [50, 50]})
     )
     assert lowpass < 0.9 * whole
@@ -123,5 +122,5 @@ def test_what_was_taken_is_said_once_for_each_map(tmp_path, heights):
 def test_a_flat_map_is_described(tmp_path):
     study = study_of(tmp_path, np.zeros((8, 8)))
     (scales,) = study.scales
-    assert "h_rms 0 pm" in described(scales.measured, scales.sample)[1]
+    assert "h_rms 0 pm" in described(scales.measured)[1]
     assert review(study) == []

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from contact_study.inputs.errors import InputError
-from contact_study.study.checks.idle_keys import idle_motion
-from contact_study.study.checks.plausibility import review
+from contact_study.study.checks import idle_motion, review
 from contact_study.study.study import make_study
 from tests.study.test_study import changed, of_another_kind
 

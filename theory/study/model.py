@@ -17,7 +17,6 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.constants import InterfaceConstants
 from contact_study.results.schema import quantity_of
 from contact_study.results.state import Step, Value
 from contact_study.study.case import Case
@@ -94,19 +93,16 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     every, law = case_theories(case, surface), case.law
     theories = every[0]
     theory, spectrum, (tolerance, max_iterations) = theories.persson, theories.spectrum, theories.effort
-    known = InterfaceConstants(
-        contact_modulus=theory.solid.contact_modulus,
-        work_of_adhesion=law.work_of_adhesion,
-        equilibrium_distance=law.equilibrium_distance,
-        peak_tensile_stress=law.peak_tensile_stress,
-        contact_distance=case.contact_distance,
-        rms_height=float(np.sqrt(spectrum.mean_square_height)),
-        rms_slope=spectrum.rms_slope,
-    )
     with theories.naming_the_spectrum():
         defect = energy_defect(theory, tolerance, max_iterations)
     values: dict[str, Value] = {
-        **known.values,
+        "contact_modulus": theory.solid.contact_modulus,
+        "work_of_adhesion": law.work_of_adhesion,
+        "equilibrium_distance": law.equilibrium_distance,
+        "peak_tensile_stress": law.peak_tensile_stress,
+        "contact_distance": case.contact_distance,
+        "rms_height": float(np.sqrt(spectrum.mean_square_height)),
+        "rms_slope": spectrum.rms_slope,
         "energy_defect": defect,
         "wavevector": stored_wavevectors(theory),
     }

@@ -72,7 +72,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             case = replace(case, solver=replace(case.solver, threads=threads if large else 1))
         if not kept.has_constants:
             constants = {
-                **({} if case.surface.absent else roughness_values(surface.roughness, surface.sample, surface.filled)),
+                **({} if case.surface.absent else roughness_values(surface.roughness)),
                 **({"interaction_length": case.law.length} if case.law.attracts else {}),
                 **model.code.constants(case, surface),
             }

@@ -56,6 +56,13 @@ class Roughness:
     spectrum: PowerSpectrum
     made_by: tuple[float, float] | None = None  # roll-off and cutoff of the self-affine law that it was made by (1/m)
     between: PowerSpectrum | None = None  # spectrum of the waves between these
+    alone: "Roughness | None" = None  # of a measured map before its edges were joined or faded
+    filled: float = 0.0  # fraction of the points of a measured map that were missing
+
+    @property
+    def sample(self) -> "Roughness":
+        """The same without the effect of the edges of a measured map."""
+        return self.alone or self
 
     @cached_property
     def fit(self) -> SelfAffineFit | None:

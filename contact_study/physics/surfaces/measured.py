@@ -1,7 +1,6 @@
 """A measured surface: heights from a file, prepared as asked and taken as periodic."""
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,14 +23,27 @@ class MeasuredMap:
 
     heights: np.ndarray  # about their mean (m)
     grid: Grid
-    filled: float  # fraction of missing points
     unit: str  # of the heights, and its source
-    sample: Roughness  # of the map before its edges were joined or faded
+    roughness: Roughness  # of the map repeated periodically
 
-    @cached_property
-    def roughness(self) -> Roughness:
-        """Description of the map repeated periodically."""
-        return roughness_of(self.heights, self.grid)
+    def surface(self, shape: tuple[int, int] | None) -> "MeasuredSurface":
+        """Make the trigonometric polynomial through the map, on the map's grid or a continuum grid of a shape."""
+        native = self.grid.shape
+        return MeasuredSurface(self.grid.size, shape or native, None, fourier.transform(self.heights), native, self)
+
+    def scales(self, shape: tuple[int, int] | None, lowpass: float | None) -> SurfaceScales:
+        """Calculate the scales on a continuum grid of a shape; ``lowpass`` is the shortest wave kept (m)."""
+        grid, own = self.grid, self.roughness
+        coefficients = fourier.transform(self.heights)
+        lost = None
+        if shape is not None and (shape[0] < grid.shape[0] or shape[1] < grid.shape[1]):
+            coarser = Grid(shape, grid.size)
+            power = coarser.variances(fourier.resize_spectrum(coefficients, grid.shape, shape))
+            lost = float(np.sqrt(power.sum())), float(np.sqrt(np.sum(coarser.wavenumber**2 * power)))
+        spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], grid.variances(coefficients).reshape(-1)[1:])
+        height, shortest = float(np.ptp(self.heights)), max(2 * max(grid.spacing), lowpass or 0.0)
+        scales = grid.size, shape or grid.shape, own.rms_height, own.rms_slope, height, shortest, spectrum, lost
+        return SurfaceScales(*scales, measured=own, unit=self.unit)
 
 
 @dataclass(frozen=True)
@@ -43,14 +55,6 @@ class MeasuredSurface(BandLimitedSurface):
     @property
     def roughness(self) -> Roughness:
         return self.measured.roughness
-
-    @property
-    def sample(self) -> Roughness:
-        return self.measured.sample
-
-    @property
-    def filled(self) -> float:
-        return self.measured.filled
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +103,8 @@ class MapPreparation:
         heights.setflags(write=False)
         coarser = 2 * max(grid.spacing) if max(grid.spacing) > max(own.spacing) * (1 + 1e-9) else None
         sample = roughness_of_sample(alone, own, self.lowpass or coarser)
-        return MeasuredMap(heights, grid, missing, found.unit, sample)
+        roughness = replace(roughness_of(heights, grid), alone=sample, filled=missing)
+        return MeasuredMap(heights, grid, found.unit, roughness)
 
     def _cropped(self, path: Path, found: HeightMap) -> HeightMap:
         if self.crop is None:
@@ -120,35 +125,3 @@ class MapPreparation:
             parts.append(slice(first, last))
             size.append((last - first) * step)
         return HeightMap(found.heights[parts[0], parts[1]], (size[0], size[1]), found.unit)
-
-
-def measured_surface(found: MeasuredMap, shape: tuple[int, int] | None) -> MeasuredSurface:
-    """Make the trigonometric polynomial through a map, on the map's continuum grid or one of another shape."""
-    native = found.grid.shape
-    return MeasuredSurface(found.grid.size, shape or native, None, fourier.transform(found.heights), native, found)
-
-
-def measured_scales(found: MeasuredMap, shape: tuple[int, int] | None, lowpass: float | None) -> SurfaceScales:
-    """Calculate the scales of a map on a continuum grid of a shape; ``lowpass`` is the shortest wave kept (m)."""
-    grid, own = found.grid, found.roughness
-    coefficients = fourier.transform(found.heights)
-    lost = None
-    if shape is not None and (shape[0] < grid.shape[0] or shape[1] < grid.shape[1]):
-        coarser = Grid(shape, grid.size)
-        power = coarser.variances(fourier.resize_spectrum(coefficients, grid.shape, shape))
-        lost = float(np.sqrt(power.sum())), float(np.sqrt(np.sum(coarser.wavenumber**2 * power)))
-    spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], grid.variances(coefficients).reshape(-1)[1:])
-    return SurfaceScales(
-        grid.size,
-        shape or grid.shape,
-        own.rms_height,
-        own.rms_slope,
-        float(np.ptp(found.heights)),
-        max(2 * max(grid.spacing), lowpass or 0.0),
-        spectrum,
-        lost,
-        own,
-        found.sample,
-        found.unit,
-        found.filled,
-    )

@@ -23,9 +23,7 @@ class SurfaceScales:
     spectrum: RoughnessSpectrum | None = field(default=None, compare=False)  # waves of these heights and slopes
     lost: tuple[float, float] | None = None  # height and slope of a map on a shape that cannot carry all of its waves
     measured: Roughness | None = field(default=None, compare=False)  # a map from a file, repeated
-    sample: Roughness | None = field(default=None, compare=False)  # the same alone
     unit: str = ""  # of the heights of a map, and its source
-    filled: float = 0.0  # fraction of a map's points that were missing and filled
     apex_curvature: float | None = None  # of a surface that is one asperity, whose waves are those of its edges (1/m)
 
     @property
@@ -43,8 +41,8 @@ class SurfaceScales:
         """Root mean square of the mean curvature, half of the rms Laplacian (1/m)."""
         if self.apex_curvature is not None:
             return self.apex_curvature
-        if self.sample is not None:
-            return self.sample.rms_curvature
+        if self.measured is not None:
+            return self.measured.sample.rms_curvature
         return 0.0 if self.spectrum is None else self.spectrum.rms_laplacian / 2
 
     def full_contact_stress(self, solid: Elasticity) -> float:

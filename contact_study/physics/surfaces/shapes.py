@@ -1,4 +1,4 @@
-"""Surfaces that are made: the sphere of Hertz and JKR, waves, Gaussian surfaces of a self-affine spectrum."""
+"""Surfaces that are made: the sphere of Hertz and JKR, Gaussian surfaces of a self-affine spectrum."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,6 @@ import numpy as np
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
-from contact_study.physics.surfaces.scales import SurfaceScales, spectrum_of_waves
 from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface
 
 # Mean number of places per surface that stand higher, or lie lower, than the peak-to-valley height allows for.
@@ -27,18 +26,7 @@ class Paraboloid(Surface):
         return ((self.size[0] ** 2 + self.size[1] ** 2) / 12 - r2) / (2 * self.radius)
 
 
-def paraboloid_scales(radius: float, size: tuple[float, float], shape: tuple[int, int]) -> SurfaceScales:
-    """Calculate the scales of a paraboloid of a radius (m) in a cell of a size (m)."""
-    y2, x2 = size[0] ** 2, size[1] ** 2
-    # Moments of h = −r²/2R over the rectangle: <y²> = y2/12, the variance of y² is y2²/180.
-    height = float(np.sqrt((y2**2 + x2**2) / 180) / (2 * radius))
-    slope = float(np.sqrt((y2 + x2) / 12) / radius)
-    peak = (y2 + x2) / (8 * radius)
-    spectrum = spectrum_of_waves(*np.hstack([_waves(length, radius) for length in size]))
-    return SurfaceScales(size, shape, height, slope, peak, np.inf, spectrum, apex_curvature=1 / radius)
-
-
-def _waves(length: float, radius: float) -> np.ndarray:
+def paraboloid_waves(length: float, radius: float) -> np.ndarray:
     """Wavenumbers and height variances of −x²/2R over a period L, shape (2, n).
 
     The n-th harmonic has (L²/2π²n²R)²/2; one last wave has the height and slope of all that are left out.
@@ -49,31 +37,6 @@ def _waves(length: float, radius: float) -> np.ndarray:
     height = (length**4 / 720) / radius**2 - variance.sum()
     slope = (length**2 / 12) / radius**2 - np.sum(wavenumber**2 * variance)
     return np.array([np.append(wavenumber, np.sqrt(slope / height)), np.append(variance, height)])
-
-
-def wavy_surface(
-    amplitude: float, modes: tuple[int, int], size: tuple[float, float], shape: tuple[int, int]
-) -> BandLimitedSurface:
-    """Make h = amplitude · cos(2π m_y y/L_y) · cos(2π m_x x/L_x) (m); a mode 0 leaves that axis flat."""
-    m_y, m_x = modes
-    native = (2 * m_y + 1, 2 * m_x + 1)
-    y, x = np.arange(native[0]) / native[0], np.arange(native[1]) / native[1]
-    waves = np.cos(2 * np.pi * m_y * y)[:, None] * np.cos(2 * np.pi * m_x * x)[None, :]
-    coefficients = np.fft.rfft2(amplitude * waves) / waves.size
-    coefficients[0, 0] = 0.0
-    return BandLimitedSurface(size, shape, None, coefficients, native)
-
-
-def wavy_scales(
-    amplitude: float, modes: tuple[int, int], size: tuple[float, float], shape: tuple[int, int]
-) -> SurfaceScales:
-    """Calculate the scales of a wavy surface; parameters as :func:`wavy_surface`."""
-    q_y, q_x = (2 * np.pi * mode / length for mode, length in zip(modes, size, strict=True))
-    # <cos²> is one half along each axis that has waves.
-    height = float(amplitude * 0.5 ** (0.5 * np.count_nonzero(modes)))
-    wavenumber = float(np.hypot(q_y, q_x))
-    spectrum = spectrum_of_waves(np.array([wavenumber]), np.array([height**2]))
-    return SurfaceScales(size, shape, height, height * wavenumber, 2 * amplitude, 2 * np.pi / wavenumber, spectrum)
 
 
 def gaussian_surface(
@@ -108,13 +71,6 @@ def gaussian_surface(
     on_axis = m_x == 0
     coefficients[-m_y[on_axis] % native[0], 0] = np.conj(amplitude[on_axis])
     return BandLimitedSurface(size, shape, spectrum, coefficients, native)
-
-
-def gaussian_scales(spectrum: SelfAffineSpectrum, size: tuple[float, float], shape: tuple[int, int]) -> SurfaceScales:
-    """Calculate the scales that all surfaces of a spectrum share; parameters as :func:`gaussian_surface`."""
-    height, slope, shortest = spectrum.rms_height, spectrum.rms_slope, 2 * np.pi / spectrum.cutoff
-    peak = gaussian_peak_to_valley(height, slope, size[0] * size[1])
-    return SurfaceScales(size, shape, height, slope, peak, shortest, spectrum)
 
 
 def gaussian_peak_to_valley(rms_height: float, rms_slope: float, area: float) -> float:

@@ -51,16 +51,6 @@ class Surface(ABC):
         target = self.spectrum
         return roughness_of(self.sampled, self.grid, None if target is None else (target.roll_off, target.cutoff))
 
-    @property
-    def sample(self) -> Roughness:
-        """Description without the effect of the edges of a measured map."""
-        return self.roughness
-
-    @property
-    def filled(self) -> float:
-        """Share of a map's points that were missing and filled."""
-        return 0.0
-
     def measured_spectrum(self) -> RadialSpectrum:
         """Radial spectrum of this very surface."""
         return radial_spectrum(self.sampled, self.grid)

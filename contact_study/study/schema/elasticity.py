@@ -151,7 +151,7 @@ class MeasuredSection(ElasticitySection):
 
     words = "of tabulated stiffness K(q), quoted by "
     makes = Measured
-    columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see reading.tables.with_columns
+    columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see tables.with_columns
         "wavenumber": ("wavenumber_unit", "m^-1", "m^-1"),
         "stiffness": ("stiffness_unit", "Pa/m", "Pa/m"),
     }

@@ -189,7 +189,7 @@ class TabulatedInteraction(InteractionSection):
     refuses: ClassVar[dict[str, str]] = dict.fromkeys(
         ("well_depth", "work_of_adhesion", "length"), "has its own, from the table"
     )
-    columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see reading.tables.with_columns
+    columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see tables.with_columns
         "gap": ("gap_unit", "m", "m"),
         "traction": ("traction_unit", "Pa", "Pa"),
     }

@@ -11,22 +11,13 @@ import numpy as np
 from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, TabulatedSpectrum
-from contact_study.physics.surfaces.measured import (
-    MapPreparation,
-    MeasuredMap,
-    MeasuredSurface,
-    measured_scales,
-    measured_surface,
-)
-from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.measured import MapPreparation, MeasuredMap, MeasuredSurface
+from contact_study.physics.surfaces.scales import SurfaceScales, spectrum_of_waves
 from contact_study.physics.surfaces.shapes import (
     Paraboloid,
     gaussian_peak_to_valley,
-    gaussian_scales,
     gaussian_surface,
-    paraboloid_scales,
-    wavy_scales,
-    wavy_surface,
+    paraboloid_waves,
 )
 from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface
 from contact_study.study.schema.keys import (
@@ -159,7 +150,10 @@ class SelfAffine(CellSection):
         return gaussian_surface(self.target_spectrum, self.size, self.shape, self.seed, exact)
 
     def scales(self, directory: Path) -> SurfaceScales:
-        return gaussian_scales(self.target_spectrum, self.size, self.shape)
+        spectrum, shortest = self.target_spectrum, 2 * np.pi / self.target_spectrum.cutoff
+        height, slope = spectrum.rms_height, spectrum.rms_slope
+        peak = gaussian_peak_to_valley(height, slope, self.size[0] * self.size[1])
+        return SurfaceScales(self.size, self.shape, height, slope, peak, shortest, spectrum)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -223,10 +217,10 @@ class MapFile(SurfaceSection):
         return self.stated_cell or self.measured(directory).grid.size
 
     def realise(self, directory: Path) -> MeasuredSurface:
-        return measured_surface(self.measured(directory), self.shape)
+        return self.measured(directory).surface(self.shape)
 
     def scales(self, directory: Path) -> SurfaceScales:
-        return measured_scales(self.measured(directory), self.shape, self.lowpass)
+        return self.measured(directory).scales(self.shape, self.lowpass)
 
     def measured(self, directory: Path) -> MeasuredMap:
         """The map, made ready."""
@@ -257,7 +251,13 @@ class Sphere(CellSection):
         return Paraboloid(self.size, self.shape, None, self.radius)
 
     def scales(self, directory: Path) -> SurfaceScales:
-        return paraboloid_scales(self.radius, self.size, self.shape)
+        y2, x2 = self.size[0] ** 2, self.size[1] ** 2
+        # Moments of h = −r²/2R over the rectangle: <y²> = y2/12, the variance of y² is y2²/180.
+        height = float(np.sqrt((y2**2 + x2**2) / 180) / (2 * self.radius))
+        slope = float(np.sqrt((y2 + x2) / 12) / self.radius)
+        peak, curvature = (y2 + x2) / (8 * self.radius), 1 / self.radius
+        spectrum = spectrum_of_waves(*np.hstack([paraboloid_waves(length, self.radius) for length in self.size]))
+        return SurfaceScales(self.size, self.shape, height, slope, peak, np.inf, spectrum, apex_curvature=curvature)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -282,10 +282,19 @@ class Wavy(CellSection):
                 )
 
     def realise(self, directory: Path) -> Surface:
-        return wavy_surface(self.amplitude, self.modes, self.size, self.shape)
+        native = (2 * self.modes[0] + 1, 2 * self.modes[1] + 1)
+        y, x = (np.cos(2 * np.pi * mode * (np.arange(n) / n)) for mode, n in zip(self.modes, native, strict=True))
+        coefficients = np.fft.rfft2(self.amplitude * (y[:, None] * x[None, :])) / (native[0] * native[1])
+        coefficients[0, 0] = 0.0
+        return BandLimitedSurface(self.size, self.shape, None, coefficients, native)
 
     def scales(self, directory: Path) -> SurfaceScales:
-        return wavy_scales(self.amplitude, self.modes, self.size, self.shape)
+        # <cos²> is one half along each axis that has waves.
+        height = float(self.amplitude * 0.5 ** (0.5 * np.count_nonzero(self.modes)))
+        q_y, q_x = (2 * np.pi * mode / length for mode, length in zip(self.modes, self.size, strict=True))
+        q = float(np.hypot(q_y, q_x))
+        spectrum = spectrum_of_waves(np.array([q]), np.array([height**2]))
+        return SurfaceScales(self.size, self.shape, height, height * q, 2 * self.amplitude, 2 * np.pi / q, spectrum)
 
 
 @dataclass(frozen=True, kw_only=True)
