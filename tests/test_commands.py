@@ -355,6 +355,9 @@ def test_check_refuses_what_a_run_refuses(verb):
         assert re.search(r'^atoms +no +interaction.law = "exponential"', said, re.MULTILINE)
         status, said, errors = verb(*given, "--model", "atoms")
         assert (status, said, errors.count("\n")) == (1, "", 1)
+        status, said, errors = verb(*given, "--surface.shape", "1000000,1000000")
+        assert (status, errors) == (1, "bem-adhesion: no model can run this study\n")
+        assert said.count(" no ") == 3
     finally:
         Path("study.toml").write_text(STUDY)
 

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,6 +60,8 @@ def run(given: argparse.Namespace) -> int:
     for note, whose in notes.items():
         who = "" if whose == able else f" ({', '.join(whose)})"
         say(f"warning{who}: {note}", "yellow")
+    if not able:
+        print(f"{given.command}: no model can run this study", file=sys.stderr)
     return DONE if able else WRONG_INPUT
 
 
