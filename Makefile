@@ -40,7 +40,11 @@ paper: env
 test: env
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
+# The report is tested in a real browser; without one that test is skipped.
 validation: env
+	@command -v chromium >/dev/null || { command -v apt-get >/dev/null && [ "$$(id -u)" = 0 ] && \
+	  apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium >/dev/null; } || \
+	  echo "no Chromium: the report's test in a browser is skipped; apt-get install chromium" >&2
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m validation
 
 lint: env

@@ -53,68 +53,32 @@ _OTHER_MARKERS = ("^", "D", "P")
 
 @dataclass(frozen=True)
 class ShownModel:
-    """One model as a reader meets it.
+    """One model as a reader meets it; ``models.toml`` has the entries."""
 
-    Attributes
-    ----------
-    name : str
-        In datasets.
-    file : str
-        The ``model`` attribute of the datasets that hold it.
-    label, words, short : str
-        In a legend, inside a sentence (with its article), at the head of a narrow column.
-    trust : int
-        A model is compared with those of more trust; what has none is no reference.
-    colour, line, marker : str
-        As matplotlib knows them; no marker: lines alone, no line ("none"): markers alone. The colour is used where
-        colours mean nothing else.
-    marker_size, line_width : float
-        In points.
-    hollow : bool
-        Whether its markers are not filled.
-    simulation : bool
-        Whether it is of one surface, point by point; theories use a spectrum and reach beyond any sampling.
-    measured : bool
-        Whether its constants are measured on itself, not given.
-    feels_law : bool
-        Whether the traction-separation law acts in it at every gap.
-    about, about_adhesion, about_hard_wall : str
-        What it is; what holds with adhesion, and at a hard wall.
-    status : str
-        Whether a theory is published, shown wherever it is ranked.
-    start : str
-        Where its states come from.
-    start_predicted : str
-        The same where they start from the fields of another dataset, ``{predictor}``.
-    densities, area, negative_gap : str
-        What is to be known of its distributions, of its contact area, and of a mean gap below zero; without the first
-        two it counts as the simulations do.
-    """
-
-    name: str
-    file: str
-    label: str
-    words: str
-    short: str
-    trust: int
-    colour: str
-    line: str
-    marker: str
-    about: str
-    start: str
-    marker_size: float = 3.2
+    name: str  # in datasets
+    file: str  # ``model`` attribute of the datasets that hold it
+    label: str  # in a legend
+    words: str  # inside a sentence, with its article
+    short: str  # at the head of a narrow column
+    trust: int  # a model is compared with those of more trust; theories, which have none, are no reference
+    colour: str  # where colours mean nothing else
+    line: str  # "none" for markers alone
+    marker: str  # empty for a line alone
+    about: str  # description
+    start: str  # origin of its states
+    marker_size: float = 3.2  # in points, as the width of lines
     line_width: float = 1.4
-    hollow: bool = False
-    simulation: bool = False
-    measured: bool = False
-    feels_law: bool = False
-    about_adhesion: str = ""
+    hollow: bool = False  # whether its markers are not filled
+    simulation: bool = False  # whether it is of one surface, point by point; theories use a spectrum
+    measured: bool = False  # whether its constants are measured on itself, not given
+    feels_law: bool = False  # whether the traction-separation law acts in it at every gap
+    about_adhesion: str = ""  # description with adhesion, and at a hard wall
     about_hard_wall: str = ""
-    status: str = ""
-    start_predicted: str = ""
-    densities: str = ""
+    status: str = ""  # whether a theory is published, shown wherever it is ranked
+    start_predicted: str = ""  # origin of states that start from the fields of another dataset, ``{predictor}``
+    densities: str = ""  # peculiarity of its distributions, and of its contact area; without it counts as simulations
     area: str = ""
-    negative_gap: str = _PRESSED
+    negative_gap: str = _PRESSED  # meaning of a mean gap below zero
 
 
 _ENTRIES = tomllib.loads(files(__package__).joinpath("models.toml").read_text(encoding="utf-8"))

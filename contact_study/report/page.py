@@ -16,7 +16,7 @@ from contact_study.report.facts import overview
 from contact_study.report.facts.differences import differences
 from contact_study.report.facts.findings import Findings, relative_errors
 from contact_study.report.facts.loops import loops
-from contact_study.report.facts.question import sample_notes, study_paragraphs
+from contact_study.report.facts.method import settings, starts, uses_target
 from contact_study.report.facts.ranking import rank_models
 from contact_study.report.figures import Figures
 from contact_study.report.models import FIGURE_TITLES, entry_of, kind_of
@@ -82,7 +82,7 @@ def render_report(
             for name, own in ranked.items()
         ],
         findings=findings.sentences(),
-        sample_notes=sample_notes(inputs),
+        target=uses_target(inputs),
         changes=tables.difference_table(inputs, changes) if changes else None,
         loops=tables.loop_table(shown, found_loops) if found_loops else None,
         figures=figures.pages,
@@ -93,7 +93,8 @@ def render_report(
         regime=tables.regime_table(inputs.models, regime),
         constants=tables.constants_table(inputs.models),
         effort=tables.effort_table(inputs.models),
-        paragraphs=study_paragraphs(shown),
+        settings=settings(shown),
+        starts=starts(shown),
         related=_related(inputs),
         file=next(iter(inputs.paths)),
         provenance=_provenance(inputs),

@@ -14,6 +14,7 @@ from contact_study.report.align.scales import scales, sweep_points
 from contact_study.report.facts import overview
 from contact_study.report.facts.differences import differences
 from contact_study.report.facts.loops import cycles, loops
+from contact_study.report.facts.method import settings, starts
 from contact_study.report.facts.ranking import rank_models
 from contact_study.report.read.datasets import read_inputs
 from tests.report import synthetic
@@ -276,6 +277,19 @@ def test_one_theory_of_a_file_and_a_dataset_without_fields(tmp_path):
         dataset.drop_vars(["gap", "pressure", "height", "y", "x"]).to_netcdf(tmp_path / "bare.nc")
     assert run(tmp_path / "bare.nc", "-o", tmp_path / "bare_out.nc", "--figures", tmp_path / "bare") == 0
     assert len(list((tmp_path / "bare").iterdir())) == 4
+
+
+def test_the_method_lists_what_was_set_and_where_states_start(tmp_path):
+    predictor = f"bem-1.nc sha256:{'0' * 64}\nbem-2.nc sha256:{'1' * 64}"
+    joined = read(tmp_path, STUDY, ("atomistic",), predictor=predictor)
+    assert "the continuum's gap field (bem-1.nc and bem-2.nc)" in " ".join(starts(joined))
+    found = dict(settings(joined))
+    assert found["interaction.well_depth_ratio"] == "1 and 8"
+    assert found["surface.size"] == "41.6 nm × 41.6 nm"
+    assert found["surface.rms_height"] == "7 Å"
+    assert "solver.tolerance" not in found, "a default"
+    held = read(tmp_path, GAP_STUDY, ("continuum",))
+    assert dict(settings(held))["loading.path"] == "1 nm, 7 Å, 3 Å, 2 Å"
 
 
 def test_constants_of_swept_keys_are_the_models_own(tmp_path):

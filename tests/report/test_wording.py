@@ -51,13 +51,6 @@ def test_values_of_a_sweep():
     assert wording.varied([str(number) for number in range(12)]) == "0 to 11 (12 values)"
 
 
-def test_points_of_a_sweep():
-    assert wording.listed_points(["", ""]) == ""
-    assert wording.listed_points(["a = 1", "a = 2"]) == "a = 1 and a = 2"
-    assert wording.listed_points(["a = 1, b = 1", "a = 2, b = 1"]) == "a = 1, b = 1; a = 2, b = 1"
-    assert wording.listed_points([f"a = {number}" for number in range(9)]) == "9 points of the sweep"
-
-
 @pytest.mark.parametrize(
     ("name", "value", "units", "shown"),
     [

@@ -7,7 +7,6 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
-from contact_study.inputs.units import quantity
 from contact_study.report.models import entry_of
 from contact_study.report.text import wording
 
@@ -61,23 +60,10 @@ def _environment(autoescape: bool) -> jinja2.Environment:
         lstrip_blocks=autoescape,
         undefined=jinja2.StrictUndefined,
     )
-    names = (
-        "number",
-        "fixed",
-        "percent",
-        "percent_of",
-        "listed",
-        "listed_points",
-        "varied",
-        "modulus",
-        "pressure",
-        "force",
-    )
+    names = ("number", "fixed", "percent_of", "listed", "pressure", "force")
     environment.filters |= {name: getattr(wording, name) for name in names}
     environment.filters |= {"symbols": _symbols, "drawn": _drawn, "sentence": capitalised, "error": wording.with_error}
     environment.filters |= {"words": lambda name: entry_of(name).words, "label": lambda name: entry_of(name).label}
-    environment.filters |= {"metres": wording.length, "lookup": lambda key, table: table[key]}
-    environment.globals["meV"] = quantity("1 meV", "J", "well_depth")
     return environment
 
 

@@ -56,12 +56,6 @@ def length(value: float) -> str:
     return f"{value / unit.size:.6g} {unit.name}"
 
 
-def modulus(value: float) -> str:
-    """An elastic modulus in the unit that suits it, to five digits."""
-    unit = pressure_unit(value)
-    return f"{number(value / unit.size, 5)} {unit.name}"
-
-
 def pressure(value: float, digits: int = 6) -> str:
     """A pressure in the unit that suits it."""
     unit = pressure_unit(abs(value))
@@ -108,16 +102,6 @@ def varied(values: Iterable[str], last: str = "and", most: int = 8) -> str:
     return listed(different, last)
 
 
-def listed_points(labels: Iterable[str], most: int = 6) -> str:
-    """Points of a sweep by their labels, or how many; empty where none has a label."""
-    different = [label for label in dict.fromkeys(labels) if label]
-    if len(different) > most:
-        return f"{len(different)} points of the sweep"
-    if any(", " in label for label in different):
-        return "; ".join(different)
-    return listed(different) if different else ""
-
-
 # Keys that have a symbol in the field; any other is called by its name.
 _SYMBOLS = {
     "well_depth": "ε",
@@ -145,7 +129,7 @@ def coordinate_label(name: str, value: Any, units: str = "1") -> str:
 def key_value(name: str, value: Any, units: str = "1") -> str:
     """A value of a study's key (SI) with the unit that suits it."""
     if name == "law":
-        return law_name(value)
+        return LAWS[value].title
     if isinstance(value, str | bool | np.bool_):
         return str(value).replace("_", " ")
     if units == "m":
@@ -155,8 +139,3 @@ def key_value(name: str, value: Any, units: str = "1") -> str:
     if units == "J":
         return f"{number(value / quantity('1 meV', 'J', name), 6)} meV"
     return f"{number(value, 6)}{'' if units == '1' else ' ' + units.replace(' m-2', '/m²')}"
-
-
-def law_name(law: str) -> str:
-    """A traction-separation law in words: "10-4", "9-3", "hard wall"."""
-    return LAWS[law].title
