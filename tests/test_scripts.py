@@ -140,10 +140,12 @@ def test_shelf_of_theories_without_adhesion_on_small_surfaces(capsys):
 
 def test_convergence_of_the_edge_flow(capsys):
     assert edge_flow_convergence.main(["data/yang2008_quick.toml", "--finest", "120"]) == 0
-    _, _, *rows = capsys.readouterr().out.splitlines()
-    assert [row.split(" | ")[1] for row in rows] == ["120 × 40"] * 3
-    areas = [float(row.split(" | ")[2]) for row in rows]
+    areas = [float(row.split(" | ")[2]) for row in capsys.readouterr().out.splitlines()[2:]]
+    assert len(areas) == 3
     assert areas == sorted(areas)
+    # Errors of 0.16, 0.04 and 0.01: second order; the same values over and over have none.
+    assert edge_flow_convergence.order([9.0, 1.16, 1.04, 1.01]) == "2.0"
+    assert edge_flow_convergence.order([1.0, 1.0, 1.0]) == "–"
 
 
 def test_spheres_against_closed_forms(capsys):
@@ -212,27 +214,19 @@ def test_the_contact_mechanics_challenge(capsys):
 
 
 def test_the_challenge_goes_on_from_its_table(tmp_path, capsys, monkeypatch):
-    table = tmp_path / "challenge.csv"
-    asked = ["--size", "2 um", "--pressures", "1 MPa", "--no-adhesion", "--table", str(table), "--points"]
-    assert contact_challenge.main([*asked, "48", "64"]) == 0
-    solved, path = [], contact_challenge.path
-    monkeypatch.setattr(contact_challenge, "path", lambda *given: solved.append(given[1]) or path(*given))
-    assert contact_challenge.main([*asked, "48", "96"]) == 0
-    assert contact_challenge.main([*asked, "48", "--seed", "2"]) == 0
-    assert solved == [96, 48]
-    first, second, _ = capsys.readouterr().out.split("Cell 2 µm")[1:]
-    areas = [re.search(r"A/A₀ \| (0\.\d+)", said).group(1) for said in (first, second)]
-    assert areas[0] == areas[1]
-
-
-def test_touching_points_of_the_challenge_carry_the_load(capsys):
-    assert contact_challenge.main(["--size", "2 um", "--points", "64", "--pressures", "1 MPa", "--no-adhesion"]) == 0
+    asked = ["--size", "2 um", "--pressures", "1 MPa", "--no-adhesion", "--table", str(tmp_path / "table.csv")]
+    assert contact_challenge.main([*asked, "--points", "64"]) == 0
     rows = [row.strip("| ").split(" | ") for row in capsys.readouterr().out.splitlines()[4:-2]]
     found = {name: float(value) for _, name, value in rows}
     assert found["A/A₀"] * found["mean stress in contact (MPa)"] == pytest.approx(1, rel=2e-3)  # four digits
     assert found["A/A₀ with σ > 1·E*/2"] > found["A/A₀ with σ > 2·E*/2"]
     # Half-spaces without adhesion: 1.1 to 1.4 times Persson's area at loads this light.
     assert 1 < found["A/A₀"] / found["A/A₀, Persson's theory of the hard wall"] < 1.6
+    solved, path = [], contact_challenge.path
+    monkeypatch.setattr(contact_challenge, "path", lambda *given: solved.append(given[1]) or path(*given))
+    assert contact_challenge.main([*asked, "--points", "64", "96"]) == 0
+    assert contact_challenge.main([*asked, "--points", "64", "--seed", "2"]) == 0
+    assert solved == [96, 64]
 
 
 @pytest.mark.parametrize(("order", "limit"), [(1, 3.0), (2, 3.0)])
@@ -325,13 +319,6 @@ def test_dmt_limit_beside_the_edge_flow(monkeypatch):
     # The paper's weakest adhesion, μ = 0.3: adhesion takes a third of the load, in both within a tenth of it.
     assert limit == pytest.approx(whole, abs=0.1)
     assert whole < 0.8
-
-
-def test_order_of_convergence():
-    assert edge_flow_convergence.order([1.0, 1.1]) == "–"
-    # Errors of 0.16, 0.04 and 0.01: second order; the same values over and over have none.
-    assert edge_flow_convergence.order([9.0, 1.16, 1.04, 1.01]) == "2.0"
-    assert edge_flow_convergence.order([1.0, 1.0, 1.0]) == "–"
 
 
 def test_kernels_of_the_edge_flow_are_those_of_the_mean_over_directions():

@@ -81,17 +81,15 @@ def _check_books(study: Study, points: list[InterfaceState]) -> None:
     previous = None
     for number, point in enumerate(points):
         where = f"adaptive, point {number}"
-        own, passed = point.own_steps, point.passed
-        assert own is not None
+        passed = point.passed
         assert passed is not None
         if not point.report.detached and not np.allclose(passed[-1], _last(point), rtol=1e-9, atol=0):
             study.fault(where, "the last state passed is not the point's")
-        before = points[number - 1].own_steps if number else None
-        if previous is not None and before is not None and np.isfinite(previous).all() and len(passed):
+        if previous is not None and np.isfinite(previous).all() and len(passed):
             books = Books(np.vstack([previous, passed]))
             if np.isfinite(books.states).all():
                 booked = float(np.maximum(books.lost, 0)[books.jumps(noise)].sum())
-                added = own.dissipated - before.dissipated
+                added = point.further["dissipated_energy"] - points[number - 1].further["dissipated_energy"]
                 if abs(added - booked) > 1e-6 * booked + noise:
                     study.fault(where, f"dissipated {added:.6g}, its jumps lost {booked:.6g} J/m²")
         previous = passed[-1] if len(passed) else previous

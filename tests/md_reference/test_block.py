@@ -164,16 +164,6 @@ def test_nodes_weigh_what_they_stand_for():
 LINEAR, ROTATING = (block_of((16, 8), (3, 2), kind) for kind in (MultiscaleBlock, NonlinearSpringBlock))
 
 
-def test_first_order_of_turning_springs_is_the_linear_block():
-    errors = []
-    for strain in (4e-3, 2e-3, 1e-3):
-        one, other = (forces(block, strain * LATTICE_CONSTANT * random_vector(block)) for block in (LINEAR, ROTATING))
-        errors.append(np.max(np.abs(one - other)) / SCALE)
-        assert np.max(np.abs(one)) / SCALE > strain
-    assert errors[0] / errors[1] == pytest.approx(4, rel=0.02)
-    assert errors[1] / errors[2] == pytest.approx(4, rel=0.01)
-
-
 def test_a_turn_costs_nothing():
     turn = Rotation.from_rotvec(np.pi / 6 / np.sqrt(5.25) * np.array([1.0, 2.0, -0.5])).as_matrix()
     z, y, x = np.meshgrid(*(LATTICE_CONSTANT * np.arange(n) for n in (4, 7, 6)), indexing="ij")
@@ -205,16 +195,14 @@ def test_forces_of_turning_springs_are_the_gradient_of_the_energy():
 
 @pytest.mark.parametrize("pressure", [2e10, -5e9])
 def test_flat_block_of_turning_springs_under_pressure(pressure):
-    area, force = 16 * 8 * AREA, np.zeros(ROTATING.size)
-    strain = -pressure / (LAME[0] + 2 * LAME[1])
+    area, force, modulus = 16 * 8 * AREA, np.zeros(ROTATING.size), LAME[0] + 2 * LAME[1]
+    strain = -pressure / modulus
     for _ in range(30):  # Newton's method with the modulus at rest
         nodes = strained(ROTATING, strain)
         ROTATING.force(nodes, force)
         found = np.sum(ROTATING.top_of(force)[2]) / area
-        strain -= (pressure - found) / (LAME[0] + 2 * LAME[1])
+        strain -= (pressure - found) / modulus
     assert found == pytest.approx(pressure, rel=1e-9)
     compression = ROTATING.compression_energy(nodes)
     assert ROTATING.elastic_energy(nodes, force) / area == pytest.approx(compression, rel=1e-9)
-    linear = LINEAR.compression_energy(nodes)
-    assert linear == pytest.approx(compression, rel=abs(strain))
-    assert linear != pytest.approx(compression, rel=0.05 * abs(strain))
+    assert 0.05 * abs(strain) < abs(LINEAR.compression_energy(nodes) / compression - 1) < abs(strain)

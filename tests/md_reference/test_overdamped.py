@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.campaign.worker import case_run
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.gradient_flow import Status, at_rest, follow
 from contact_study.results.overdamped_path import pace_of
 from contact_study.results.schema import TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
-from md_reference.statics.overdamped import OverdampedBlock
 from md_reference.study.cold import OverdampedAtoms
 from md_reference.study.model import check, solve_path
 from md_reference.study.system import build_contact, build_stiffness
@@ -21,13 +19,11 @@ from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LENGTH,
     apply,
-    assert_equal_groups,
     case_of,
     changed,
     groups_of,
     touching,
 )
-from tests.recording import stopper
 
 AT_ONCE = 1e9  # a loading rate at which the load is there from the first step on
 
@@ -129,15 +125,9 @@ FLOW = {
 }
 
 
-@pytest.fixture(scope="module")
-def loop(tmp_path_factory):
-    path = tmp_path_factory.mktemp("loop") / "md.nc"
-    contact_study.run(changed(**FLOW), "atomistic", output=path)
-    return path
-
-
-def test_loop_of_contact_pull_off_and_new_contact(loop):
-    groups = groups_of(loop)
+def test_loop_of_contact_pull_off_and_new_contact(tmp_path):
+    contact_study.run(changed(**FLOW), "atomistic", output=tmp_path / "md.nc")
+    groups = groups_of(tmp_path / "md.nc")
     root, series = groups["/"], groups[f"/{TRAJECTORY}"]
     np.testing.assert_array_equal(root.detached, [0, 0, 1, 1, 0])
     np.testing.assert_array_equal(root.converged, 1)
@@ -147,42 +137,24 @@ def test_loop_of_contact_pull_off_and_new_contact(loop):
     np.testing.assert_allclose(root.gap.mean(("y", "x"))[[0, 1, 4]] - LENGTH, root.mean_gap[[0, 1, 4]], rtol=1e-9)
     area = series.relative_contact_area.values
     lengths = np.sum(np.isfinite(area), axis=1)
+    assert lengths[3] == 1
     np.testing.assert_array_equal(lengths[[0, 1, 4]], root.iterations[[0, 1, 4]])
-    for step in (0, 1, 4):
-        assert area[step, lengths[step] - 1] == root.relative_contact_area[step]
+    np.testing.assert_array_equal(area[[0, 1, 4], lengths[[0, 1, 4]] - 1], root.relative_contact_area[[0, 1, 4]])
     case = make_study(changed(**FLOW)).cases[0]
     pace = pace_of(case, realise(case).size)
     time, load = (series[name].values[np.isfinite(area)] for name in ("overdamped_time", "overdamped_load"))
     np.testing.assert_array_equal(root.overdamped_load[[0, 1, 3, 4]], root.applied_pressure[[0, 1, 3, 4]])
     assert -10e9 < root.overdamped_load[2] < -1e9  # torn off on the way
-    taken = np.diff(time[: lengths[0]])
+    taken, changes = np.diff(time[: lengths[0]]), np.diff(load[: lengths[0]])
     assert np.all(taken > 0)
-    changes = np.diff(load[: lengths[0]])
     assert np.all(changes <= pace.rate * taken * (1 + 1e-9))
     assert np.count_nonzero(np.isclose(changes, pace.rate * taken, rtol=1e-9)) > 5
     assert np.all(np.diff(root.overdamped_time) >= 0)
     assert root.overdamped_time[1] > root.overdamped_time[0] == time[lengths[0] - 1]
     assert np.all(root.force_evaluations[[0, 1, 2, 4]] > root.iterations[[0, 1, 2, 4]])
-    assert lengths[3] == 1
-    still = contact_study.run(
-        changed(**{**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}), "atomistic"
-    )
+    quasi = {**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}
+    still = contact_study.run(changed(**quasi), "atomistic")
     np.testing.assert_allclose(root.relative_contact_area, still.relative_contact_area, atol=1e-9)
-
-
-def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeypatch):
-    path = tmp_path / "md.nc"
-    stop_at, _ = stopper(monkeypatch, OverdampedBlock, "advance")
-    monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
-    first = int(groups_of(loop)["/"].iterations[0])
-    for stop in (first - 5, 15, 10**6):  # on the way to the first point, to the second or third, not at all
-        stop_at(stop)
-        if stop < 10**6:
-            with pytest.raises(KeyboardInterrupt):
-                contact_study.run(changed(**FLOW), "atomistic", output=path, resume=path.exists() or stop == 15)
-        else:
-            contact_study.run(changed(**FLOW), "atomistic", output=path, resume=True)
-    assert_equal_groups(groups_of(path), groups_of(loop))
 
 
 def test_work_of_a_point_is_told_whether_the_run_was_stopped_before_it_or_not():

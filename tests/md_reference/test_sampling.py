@@ -1,6 +1,7 @@
 """Thermal averages as a user meets them: a study in, means with errors and series out, stopped and gone on with."""
 
 import re
+import time
 
 import numpy as np
 import pytest
@@ -12,19 +13,19 @@ from contact_study.inputs.errors import InputError
 from contact_study.numerics.time_series import statistics_of
 from contact_study.results.schema import AUTOCORRELATION_STATES, STANDARD_ERROR, TRAJECTORY, VARIABLES
 from contact_study.study.study import make_study
+from md_reference.statics.overdamped import OverdampedBlock
 from md_reference.study import sampling
 from md_reference.study.model import check
 from md_reference.thermal.hmc import ThermalSampler
-from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, SAMPLED, assert_equal_groups, changed, groups_of
+from md_reference.thermal.langevin import MolecularDynamics
+from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, SAMPLED, assert_equal_groups, changed, groups_of, moving
 from tests.recording import bins_of_case, stopper
-
-STUDY = SAMPLED
 
 
 @pytest.fixture(scope="module")
 def sampled(tmp_path_factory):
     path = tmp_path_factory.mktemp("sampled") / "md.nc"
-    contact_study.run(STUDY, "atomistic", output=path)
+    contact_study.run(SAMPLED, "atomistic", output=path)
     return path
 
 
@@ -36,18 +37,14 @@ def test_every_mean_has_its_error_and_every_number_its_series(sampled):
     assert series.sizes["frame"] == 60
     for name in means:
         value, error = root[name], root[name + STANDARD_ERROR]
-        assert value.dims == error.dims
-        assert value.units == error.units
-        if name in series:
-            for step in range(2):
-                found = statistics_of(series[name].values[step])
-                rounded = 0.5 if VARIABLES[name].kind != "float" else 0
-                assert value.values[step] == pytest.approx(found.mean, abs=rounded, rel=1e-14)
-                assert error.values[step] == pytest.approx(found.standard_error, rel=1e-12, abs=0)
-                memory = root[name + AUTOCORRELATION_STATES]
-                assert memory.units == "1"
-                told = found.autocorrelation_time if found.resolved else np.nan
-                assert memory.values[step] == pytest.approx(told, rel=1e-12, abs=0, nan_ok=True)
+        assert (value.dims, value.units) == (error.dims, error.units)
+        for step in range(2) if name in series else ():
+            found = statistics_of(series[name].values[step])
+            rounded = 0.5 if VARIABLES[name].kind != "float" else 0
+            assert value.values[step] == pytest.approx(found.mean, abs=rounded, rel=1e-14)
+            assert error.values[step] == pytest.approx(found.standard_error, rel=1e-12, abs=0)
+            memory, told = root[name + AUTOCORRELATION_STATES], found.autocorrelation_time
+            assert memory.values[step] == pytest.approx(told if found.resolved else np.nan, rel=1e-12, nan_ok=True)
     np.testing.assert_allclose(root.pressure.mean(("y", "x")), root.mean_pressure, rtol=1e-12)
     np.testing.assert_allclose(root.gap.mean(("y", "x")) - LENGTH, root.mean_gap, rtol=1e-10)
     # What is left of the balance of forces is an error of sampling.
@@ -69,18 +66,51 @@ def test_warm_atoms_differ_from_cold_ones_and_start_from_them(sampled):
     np.testing.assert_allclose(again.mean_separation, cold.mean_separation, rtol=0, atol=1e-4 * LENGTH)
 
 
-def test_run_stopped_anywhere_goes_on_to_the_same_bits(sampled, tmp_path, monkeypatch):
-    path = tmp_path / "md.nc"
-    stop_at, taken = stopper(monkeypatch, ThermalSampler, "next")
+FLOW = {
+    "surface": {"rms_height": "2 angstrom", "cutoff_mode": 4},
+    "interaction": {"well_depth_ratio": 4},
+    "atomistic": {"method": "overdamped", "temperature": 0},
+    "loading": {"path": ["1 GPa", "-1 GPa", "-10 GPa", "-1 GPa", "0.5 GPa"]},
+}
+WARM = {
+    "atomistic": {"temperature": 300.0},
+    "dynamics": {"duration": "1 ps", "frames": 20},
+    "loading": {"path": ["1 GPa", "2 GPa"]},
+    "surface": {"size": "20.8 angstrom", "shape": [8, 8]},
+}
+
+
+@pytest.mark.filterwarnings("ignore:.* did not converge", "ignore:the .* states")
+@pytest.mark.parametrize(
+    ("study", "owner", "method", "stops"),
+    [
+        (changed(sampling={"trajectories": 20, "equilibration": 10}), ThermalSampler, "next", (15, 15)),
+        (changed(**FLOW), OverdampedBlock, "advance", (10, 15)),
+        (moving(**WARM), MolecularDynamics, "move", (10, 20)),
+    ],
+)
+def test_run_stopped_anywhere_goes_on_to_the_same_bits(study, owner, method, stops, tmp_path, monkeypatch):
+    stop_at, taken = stopper(monkeypatch, owner, method)
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
-    for stop in (25, 60):  # in the first point, in the second
+    stop_at(10**9)
+    contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
+    whole = len(taken)
+    for number, stop in enumerate(stops):
         stop_at(stop)
         with pytest.raises(KeyboardInterrupt):
-            contact_study.run(STUDY, "atomistic", output=path, resume=stop > 25)
-    stop_at(10**6)
-    contact_study.run(STUDY, "atomistic", output=path, resume=True)
-    assert len(taken) == 120 - 23 - 58  # the state at hand when it stops is drawn again
-    assert_equal_groups(groups_of(path), groups_of(sampled))
+            contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=number > 0)
+    stop_at(10**9)
+    contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=True)
+    assert len(taken) < whole - sum(stops) + 6  # the state at hand when it stops is drawn again
+    assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(tmp_path / "whole.nc"))
+
+
+@pytest.mark.filterwarnings("ignore:.* did not converge", "ignore:the .* states")
+def test_the_time_of_a_point_is_that_of_all_its_states(monkeypatch):
+    add = Averages.add
+    monkeypatch.setattr(Averages, "add", lambda averages, state: time.sleep(0.05) or add(averages, state))
+    table = changed(sampling={"trajectories": 10, "equilibration": 10}, surface=WARM["surface"])
+    assert contact_study.run(table, "atomistic").wall_time.min() > 0.5
 
 
 def test_gap_control_holds_the_mean_and_has_no_load_to_err_from(sampled):
@@ -133,7 +163,7 @@ def test_impossible_temperatures_are_refused(atomistic, words):
 
 
 def test_counted_states_of_another_binning_are_not_gone_on_from():
-    case = make_study(STUDY).cases[0]
+    case = make_study(SAMPLED).cases[0]
     bins = bins_of_case(case)
     kept = {"bins": np.ravel(bins.spans), "fields": np.array([0, 0]), "series/mean_gap": np.arange(3.0)}
     assert Averages.restored(kept, bins, False) is not None

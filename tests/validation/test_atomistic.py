@@ -32,12 +32,9 @@ def test_own_path_and_predicted_starts_end_in_the_same_states(ratio):
 
 
 def test_adhesion_closes_the_gap_and_pressure_spreads_the_contact():
-    areas, gaps = [], []
-    for ratio in (1, 4, 8):
-        case = case_of((128, 128), ratio=ratio, path=PATH, **SURFACE)
-        steps = recorded_path(case, solve_path(case, realise(case)))
-        areas.append([s.values["relative_contact_area"] for s in steps])
-        gaps.append([s.values["mean_gap"] for s in steps])
+    cases = [case_of((128, 128), ratio=ratio, path=PATH, **SURFACE) for ratio in (1, 4, 8)]
+    paths = [recorded_path(case, solve_path(case, realise(case))) for case in cases]
+    areas, gaps = ([[s.values[name] for s in path] for path in paths] for name in ("relative_contact_area", "mean_gap"))
     assert np.all(np.diff(areas, axis=0) > 0)
     assert np.all(np.diff(areas, axis=1) > 0)
     # At 5 GPa the strong laws touch everywhere, and a stiffer law then means less compression.

@@ -11,6 +11,8 @@ from scipy.stats import norm
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, surface
 
+pytestmark = pytest.mark.validation
+
 PRESSURES = np.array([0.1, 0.5, 1, 2, 5, 10]) * 1e9
 SEEDS = range(1, 9)
 REFERENCE_SURFACES = 24
@@ -46,32 +48,18 @@ def ensemble(request):
     return request.param, [load_and_unload(seed, request.param) for seed in SEEDS]
 
 
-@pytest.mark.validation
-def test_every_state_meets_the_tolerance(ensemble):
-    _, paths = ensemble
-    solutions = [solution for path in paths for solution in path]
-    assert all(solution.converged for solution in solutions)
-    assert max(solution.residual for solution in solutions) < 1e-8
-
-
-@pytest.mark.validation
-@pytest.mark.parametrize("quantity", ["area", "mean_gap"])
-def test_means_agree_within_the_standard_error(ensemble, quantity):
+def test_means_agree_within_the_standard_error(ensemble):
     ratio, paths = ensemble
-    loading = [path[: len(PRESSURES)] for path in paths]
-    if quantity == "area":
-        found = np.array([[relative_contact_area(s.gap) for s in path] for path in loading])
-        mean, deviation = AREA[ratio]
-        rounding = 0.0005
-    else:
-        found = np.array([[(s.gap.mean() - R0) / 10e-10 for s in path] for path in loading])
-        mean, deviation = MEAN_GAP[ratio]
-        rounding = 0.0005 if ratio > 1 else 0.005
-    error = np.array(deviation) * np.sqrt(1 / len(SEEDS) + 1 / REFERENCE_SURFACES)
-    assert np.all(np.abs(found.mean(axis=0) - mean) < LIMIT * error + rounding)
+    assert all(solution.converged and solution.residual < 1e-8 for path in paths for solution in path)
+    gaps = [[solution.gap for solution in path[: len(PRESSURES)]] for path in paths]
+    areas = np.array([[relative_contact_area(gap) for gap in path] for path in gaps])
+    means = np.array([[(gap.mean() - R0) / 10e-10 for gap in path] for path in gaps])
+    for found, table, rounding in ((areas, AREA, 0.0005), (means, MEAN_GAP, 0.0005 if ratio > 1 else 0.005)):
+        mean, deviation = np.array(table[ratio])
+        error = deviation * np.sqrt(1 / len(SEEDS) + 1 / REFERENCE_SURFACES)
+        assert np.all(np.abs(found.mean(axis=0) - mean) < LIMIT * error + rounding)
 
 
-@pytest.mark.validation
 def test_hysteresis_appears_with_strong_adhesion_only(ensemble):
     ratio, paths = ensemble
     last = len(PRESSURES) - 1

@@ -13,6 +13,7 @@ import xarray as xr
 
 import contact_study
 
+pytestmark = pytest.mark.validation
 ROOT = Path(contact_study.__file__).parent.parent
 PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory")
 # Nothing may come from this environment.
@@ -46,7 +47,6 @@ def wheel(folder):
     return file
 
 
-@pytest.mark.validation
 def test_wheel_holds_the_packages_and_nothing_else(wheel):
     names = zipfile.ZipFile(wheel).namelist()
     tops = {name.partition("/")[0] for name in names}
@@ -59,7 +59,6 @@ def test_wheel_holds_the_packages_and_nothing_else(wheel):
     assert not [name for name in names if "test" in name.lower()]
 
 
-@pytest.mark.validation
 def test_installed_wheel_works_from_any_folder(folder, wheel):
     environment, elsewhere = folder / "environment", folder / "elsewhere"
     run(sys.executable, "-m", "venv", environment, folder=folder)
