@@ -40,7 +40,7 @@ PACKAGES = {
 # Tests of a module, the quickest to fail first, "" for the whole package; by default its own file, then the package.
 TESTS = {
     "theory/study/case_theories.py": "test_run.py",
-    "theory/study/persson_paths.py": "test_run.py",
+    "theory/study/paths.py": "test_run.py",
     "theory/study/model.py": "test_run.py",
     "theory/non_adhesive/closed_forms.py": "test_closed_forms.py test_persson.py test_separation.py",
     "theory/gap_flow/flow.py": "test_gap_flow.py test_run.py",

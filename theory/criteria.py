@@ -1,9 +1,8 @@
 """Criteria of stickiness, each as the work of adhesion over the one at which a rough surface begins to stick.
 
-A surface sticks by a criterion whose ratio is above one. The criteria use the spectrum of the surface, and of the law
-its work of adhesion Δγ, cohesive strength σ_max and range Δr = Δγ/σ_max. They were made for opposite limits of the
-local Tabor parameter and may disagree; the gap flow and the edge flow use the whole law. A number for the elasticity is
-the contact modulus E* of a half-space (Pa); Δγ is in J/m², gaps and ranges are in m.
+They use the surface's spectrum, and of the law its work of adhesion Δγ (J/m²), cohesive strength σ_max and range
+Δr = Δγ/σ_max (m). Made for opposite limits of the local Tabor parameter, they may disagree. A number for the elasticity
+is the contact modulus E* of a half-space (Pa).
 """
 
 from collections.abc import Callable
@@ -53,9 +52,8 @@ def pastewka_robbins_ratio(
 
     After L. Pastewka, M. O. Robbins, PNAS 111, 3298 (2014). Experimental: not compared with their equation. It follows
     from the gap x^(3/2) outside a patch whose edge has the slope h', with κ = 2 and the diameter d = 4h'/h'' of a
-    contact patch, h'' the rms mean curvature. It holds for weak attraction (small Tabor parameters) of a range that is
-    short against h'd, at contact of few per cent. Of a solid other than a half-space the modulus of its finest waves is
-    taken; Δr is the work of adhesion over the largest tension.
+    contact patch, h'' the rms mean curvature. It holds for weak attraction of a range short against h'd, at contact of
+    few per cent. Of a solid other than a half-space the modulus of its finest waves is taken.
     """
     reach = positive("attraction_range", attraction_range, "m")
     finest = spectrum.limits[1]
@@ -71,22 +69,16 @@ def dmt_tension_ratio(
 ) -> float:
     """Ratio of the tension on the area within the range to the pressure of light contact, both of Persson's theory.
 
-    This project's own criterion. Adhesion does not deform the contact, as in the DMT limit: its tension is Δγ/Δr on the
-    area out of contact and within Δr. That area is
-    :func:`theory.non_adhesive.gap_distribution.attracted_at_light_load`. It holds for hard solids, at small Tabor
-    parameters. Waves whose height is below the range hardly change it. G. Violano, L. Afferrante, A. Papangelo,
-    M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, start from the same
-    picture; their equation is another one.
+    This project's own criterion, for hard solids at small Tabor parameters. Adhesion does not deform the contact, as in
+    the DMT limit: its tension is Δγ/Δr on the area out of contact and within Δr. G. Violano, L. Afferrante, A.
+    Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, have another equation.
     """
     area = attracted_at_light_load(spectrum, elasticity, attraction_range, regularised=False)
     return work_of_adhesion / attraction_range * area
 
 
 def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_range: float) -> np.ndarray:
-    """Share of a Gaussian surface with a gap to a plane between zero and the range, a difference of bearing areas.
-
-    The mean gap ū is that of the plane over the mean of the heights.
-    """
+    """Share of a Gaussian surface with a gap to a plane, ū above its mean, between zero and the range."""
     gap = np.asarray(mean_gap, dtype=float)
     return ndtr(-(gap - attraction_range) / rms_height) - ndtr(-gap / rms_height)
 
@@ -102,8 +94,7 @@ def bearing_area_pressure(
 
     The bearing-area model of M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6, with another repulsion:
     the light-load limit p₀ e^(−ū/u₀) of :func:`theory.non_adhesive.closed_forms.low_pressure_asymptote`. Experimental:
-    not compared with the paper's numbers. Attraction does not deform the surface. It holds for hard solids, at small
-    Tabor parameters, and for gaps above half of the rms height.
+    not compared with the paper's numbers. For hard solids, small Tabor parameters and gaps above half the rms height.
     """
     return _bearing_area_curve(spectrum, elasticity, work_of_adhesion, attraction_range)(np.asarray(mean_gap, float))
 
@@ -168,10 +159,9 @@ def local_tabor_number(
 ) -> np.ndarray:
     """μ = (R Δγ²/E*² z₀³)^(1/3) of the roughness up to a wavevector, whose curvature 1/R is half its rms Laplacian.
 
-    A Tabor parameter that depends on the scale is that of B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701
-    (2014); adhesion is DMT-like where it is below about 0.1 and JKR-like above about 3. The whole Δγ is taken at every
-    scale, and of a solid other than a half-space the modulus of the waves there. z₀ is the law's equilibrium distance,
-    or the range of one outside a wall. At the smallest wavevector, with no roughness yet, it is NaN.
+    B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701 (2014); adhesion is DMT-like where it is below about 0.1
+    and JKR-like above about 3. Of a solid other than a half-space the modulus of the waves is taken; z₀ (m) is that of
+    :func:`range_of`. At the smallest wavevector, with no roughness yet, it is NaN.
     """
     q = np.asarray(wavevector, dtype=float)
     curvature = 0.5 * np.sqrt(2 * np.pi * spectrum.moment(5, upper=q))
@@ -210,18 +200,15 @@ class StickinessCriteria:
 
     def quantities(self) -> dict[str, float]:
         """The numbers by their names in a dataset."""
-        return {
+        ratios = ("persson_tosatti", "pastewka_robbins", "dmt_tension", "bearing_area")
+        return {f"{name}_ratio": getattr(self, name) for name in ratios} | {
             "finest_tabor_number": self.tabor_number,
-            "persson_tosatti_ratio": self.persson_tosatti,
-            "pastewka_robbins_ratio": self.pastewka_robbins,
-            "dmt_tension_ratio": self.dmt_tension,
-            "bearing_area_ratio": self.bearing_area,
             "bearing_area_pull_off": self.bearing_area_pull_off,
         }
 
     def to_dataset(self) -> "xr.Dataset":
         """Give the numbers in the schema of ``theory.nc``, as for :func:`contact_study.plots.criteria_map`."""
-        return dataset_of((), self.quantities(), {}, {})
+        return dataset_of((), self.quantities(), {})
 
 
 def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw) -> StickinessCriteria:

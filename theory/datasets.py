@@ -17,39 +17,34 @@ _BINS = 400
 def dataset_of(
     labels: tuple[str, ...],
     quantities: Mapping[str, Any],
-    edges: Mapping[str, np.ndarray | None],
-    ranges: Mapping[str, tuple[float, float]],
+    bins: Mapping[str, tuple[np.ndarray | None, tuple[float, float]]],
     further: Mapping[str, np.ndarray] | None = None,
 ) -> "xr.Dataset":
     """The dataset of one state.
 
     Quantities go by their names in the schema; distributions are functions from the edges of bins to the means in them.
-    Their edges, or where None is given the range of as many even ones as there are by default, go by the same names.
-    ``further`` has coordinates of dimensions that are not bins, such as ``wavevector`` (1/m).
+    By the same names go their edges or None, and the range of the even ones that there are by default. ``further`` has
+    coordinates of dimensions that are not bins, such as ``wavevector`` (1/m).
     """
     import xarray as xr  # slow to import
 
-    coordinates: dict[str, Any] = dict(zip(LABELS, labels, strict=False))
+    coordinates: dict[str, Any] = dict(zip(LABELS, labels, strict=False)) | dict(further or {})
     content = {}
-    coordinates |= further or {}
     for name, value in quantities.items():
         known = variable_of(name)
         dims = tuple(dim for dim in known.dims if dim != "step")
         if callable(value):
-            given = edges[name]
-            asked = np.linspace(*ranges[name], _BINS + 1) if given is None else np.asarray(given, dtype=float)
+            given, ends = bins[name]
+            asked = np.linspace(*ends, _BINS + 1) if given is None else np.asarray(given, dtype=float)
             if asked.ndim != 1 or asked.size < 2 or not np.all(np.diff(asked) > 0):
                 raise ValueError(f"{name.removesuffix('pdf')}edges: must be rising numbers, two at least")
             coordinates[dims[-1]] = 0.5 * (asked[1:] + asked[:-1])
             value = value(asked)
         attributes = {"units": known.units, "long_name": known.long_name, **known.attrs}
         content[name] = xr.Variable(dims, np.asarray(value, dtype=known.dtype), attributes)
-    held = {
-        name: xr.Variable(
-            () if np.ndim(value) == 0 else (name,),
-            value,
-            {"units": COORDINATES[name].units, "long_name": COORDINATES[name].long_name},
-        )
-        for name, value in coordinates.items()
-    }
+    held = {}
+    for name, value in coordinates.items():
+        known = COORDINATES[name]
+        dims = () if np.ndim(value) == 0 else (name,)
+        held[name] = xr.Variable(dims, value, {"units": known.units, "long_name": known.long_name})
     return xr.Dataset(content, held)

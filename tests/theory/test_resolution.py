@@ -9,9 +9,7 @@ import pytest
 from contact_study.results.schema import RESOLUTION_ERROR
 from contact_study.study.case import realise
 from tests.theory.test_run import study_of
-from theory.study import accuracy as resolution
 from theory.study import model as run
-from theory.study.accuracy import Unresolved, errors
 from theory.study.case_theories import case_theories
 
 AREA, GAP = "relative_contact_area", "mean_gap"
@@ -30,7 +28,7 @@ def case():
 @pytest.fixture(scope="module")
 def found(case):
     with warnings.catch_warnings():
-        warnings.simplefilter("error", Unresolved)
+        warnings.simplefilter("error", run.Unresolved)
         return [step.values for step in run.solve_path(case, realise(case))]
 
 
@@ -54,7 +52,7 @@ def test_every_state_has_its_errors_and_only_where_asked(case, found):
 
 def test_a_missed_accuracy_is_flagged_and_said(found):
     case = case_of(1e-6)
-    with pytest.warns(Unresolved) as said:
+    with pytest.warns(run.Unresolved) as said:
         missed = [step.values for step in run.solve_path(case, realise(case))]
     assert [values["edge_flow/resolved"] for values in missed] == [False, False]
     assert missed[0]["edge_flow/" + AREA + RESOLUTION_ERROR] == found[0]["edge_flow/" + AREA + RESOLUTION_ERROR]
@@ -68,7 +66,7 @@ def test_estimate_is_no_less_than_the_error(case, found):
     # The same estimate at half the resolution, where the error is known: the states of the full one are better by far.
     def along(coarsening):
         every = tuple(dataclasses.replace(each, coarsening=coarsening) for each in case_theories(case, realise(case)))
-        return list(resolution.quietly(values for values, _ in run._along(every, {}, 0)))
+        return list(run._quietly(values for values, _ in run._along(every, {}, 0)))
 
     for fine, half, quarter in zip(found, along(2), along(4), strict=True):
         for theory in ("persson", "gap_flow", "edge_flow"):
@@ -83,7 +81,7 @@ def test_what_is_undefined_or_gone_is_told_apart(case):
         names = tuple(f"edge_flow/{name}" for name in (AREA, GAP, "mean_pressure", "residual"))
         fine = dict(zip(names, (area, gap, 1e9, 1), strict=True))
         coarser = dict(zip(names, (other_area, other_gap, 2e9, 1), strict=True))
-        values, worst = errors(fine, coarser, theories, 0.1)
+        values, worst = run.errors(fine, coarser, theories, 0.1)
         assert set(values) == {*(name + RESOLUTION_ERROR for name in names[:2]), "edge_flow/resolved"}
         assert values["edge_flow/resolved"] is (not worst)
         return [*values.values()], worst.get("edge_flow")
@@ -111,7 +109,7 @@ def test_a_balance_of_stress_that_is_off_is_not_resolved(case):
         (np.nan, 0.01, True),
     ):
         fine = {f"persson/{AREA}": 0.5, "persson/stress_balance": balance}
-        values, worst = errors(fine, fine | {"persson/stress_balance": 7.0}, theories, accuracy)
+        values, worst = run.errors(fine, fine | {"persson/stress_balance": 7.0}, theories, accuracy)
         assert values == {f"persson/{AREA}{RESOLUTION_ERROR}": 0.0, "persson/resolved": resolved}
         if not resolved:
             assert worst["persson"] == (pytest.approx(0.03), "of the pressure in the balance of stress")

@@ -21,7 +21,7 @@ from theory.numerics.background import BackgroundExecutor
 from theory.persson import theory as persson
 from theory.persson.separation import NegativeSeparation, NotConverged
 from theory.persson.theory import PerssonTheory, true_area_factor
-from theory.study import case_theories, gap_paths
+from theory.study import case_theories, paths
 from theory.study import model as run
 
 ENERGIES = ("mean_pressure", "mean_gap", "elastic_energy", "interaction_energy")
@@ -191,7 +191,7 @@ def test_what_the_edge_flow_does_not_find_is_said():
     case = case_of("1 GPa", "5 GPa", "-8 GPa")
     flow = edge_flow(realise(case).spectrum, case.solid, case.law, gaps=60, scales=16, iterations=3)
     with pytest.warns(NotConverged, match=r"edge flow: \d+ of \d+ mean gaps"):
-        found = gap_paths._edge_flow_values(case, flow, BackgroundExecutor(1), 0)
+        found = paths._edge_flow_values(case, flow, BackgroundExecutor(1), 0)
     values = [found(number) for number in range(len(case.path))]
     assert not any(step["edge_flow/converged"] for step in values)
     assert values[-1]["edge_flow/detached"]

@@ -15,7 +15,7 @@ from theory.persson.separation import (
     separation_curve,
 )
 from theory.persson.theory import PerssonTheory
-from theory.study.persson_paths import _first
+from theory.study.paths import _first
 
 LOG_PRESSURES = np.arange(-8.0, -1.0)  # ln(p/E*)
 # ū/h_rms, two independent schemes.

@@ -1,9 +1,8 @@
 """The states of the edge flow: all responses at a mean gap in equilibrium; see :mod:`theory.edge_flow.flow`.
 
 All f(u) of all scales are the unknowns of one fixed point: a sweep finds P and N from coarse to fine, s from fine to
-coarse, and the f that are in equilibrium with them. Written with divergences the iteration is as good on fine nodes as
-on coarse ones. Its slowest modes are a few smooth ones, some beyond the unit circle under strong adhesion: Anderson's
-acceleration deals with them; ln f is mixed, weighted by its area.
+coarse, and the f in equilibrium with them. A few smooth modes are slow, or under strong adhesion beyond the unit
+circle: Anderson's acceleration deals with them; ln f is mixed, weighted by its area.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,8 +28,7 @@ class EdgeFlowOptions:
     # Bounds of the response f.
     least: float = 1e-3
     largest: float = 20.0
-    # Coarse scales in which the distribution is still sharp, taken by the implicit Euler method.
-    sharp_scales: int = 6
+    sharp_scales: int = 6  # coarse ones, of a sharp distribution, taken by the implicit Euler method
     unseen_area: float = 1e-9  # area per scale below which the change of a node does not count
     step: float = 1.0  # largest change of ln f in an iteration
     restarts: int = 3  # halvings of an iteration that leads to no numbers
@@ -39,21 +37,16 @@ class EdgeFlowOptions:
     # A scale has no more variance than all finer ones and this, in squares of the law's length; its width in ln q.
     finest_variance: float = 0.01
     widest_band: float = 0.25
-    # Wavenumber of a modulation, in those of the wave, at which solids are compared with the half-space.
-    modulation: float = 2.0
-    # Part of the law from which adhesion is grown at one mean gap, and its growth at first and least.
-    weakest: float = 0.05
-    growth: float = 1.5
+    modulation: float = 2.0  # its wavenumber, in those of the wave, at which solids are compared with the half-space
+    weakest: float = 0.05  # part of the law from which adhesion is grown at one mean gap
+    growth: float = 1.5  # of that part, at first and at least
     least_growth: float = 1.1
-    # Ratio of the distances to the lowest node from one mean gap of the curve to the next, and halvings of that step.
-    gap_ratio: float = 0.85
-    halvings: int = 3
+    gap_ratio: float = 0.85  # of the distances to the lowest node from one mean gap of the curve to the next
+    halvings: int = 3  # of that step
     lost: int = 3  # states lost in a row that end the curve
     fewest: int = 4  # states of a piece
-    # Area of a scale in which the growth of the gradients may be bounded, and how many times as many scales follow
-    # where it is larger or states are lost.
-    bounded_area: float = 0.1
-    more_scales: int = 3
+    bounded_area: float = 0.1  # of a scale in which the growth of the gradients may be bounded
+    more_scales: int = 3  # times as many scales, where that is larger or states are lost
     # Parts of the distance at which the approach ended where adhesion is grown instead.
     starts: tuple[float, ...] = (0.7, 0.45, 0.25, 0.1, 0.04)
 
@@ -74,10 +67,7 @@ class Scales:
 def scales_of(
     spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int, options: EdgeFlowOptions = _DEFAULT
 ) -> Scales:
-    """Steps in units of ``length`` (m), short at both ends of the variance, where the data are sharp.
-
-    A long finest step would make the solution fold over in ū; wide bands are cut into more than ``count``.
-    """
+    """Steps in units of ``length`` (m), ``count`` at least, short at both ends of the variance, with its sharp data."""
     bands = spectrum.band_edges(options.bands)
     below = 2 * np.pi * spectrum.moment(1, upper=bands)
     rising = np.concatenate([[True], np.diff(below) > 0])
@@ -102,10 +92,7 @@ def scales_of(
 def _shortened(
     edges: np.ndarray, bands: np.ndarray, finer: np.ndarray, length: float, options: EdgeFlowOptions
 ) -> np.ndarray:
-    """Ends of steps, wavevectors falling, with those cut that are long in ln q or beside the finer variance.
-
-    The stress is in the short waves, of which a wide band has most of its decades in a small share of the variance.
-    """
+    """Ends of steps, wavevectors falling, with those cut that are long in ln q or beside the finer variance."""
     doublings = np.log2(1 + finer / (options.finest_variance * length**2))
     octaves = np.log(bands[-1] / bands) / options.widest_band
     pieces = np.ones(edges.size - 1)
@@ -119,7 +106,7 @@ def _shortened(
 
 
 def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
-    """Return the cost of modulating a wave, compared with a half-space: g = 1 there, 0 where all waves are as stiff.
+    """The cost of modulating a wave, compared with a half-space: g = 1 there, 0 where all waves are as stiff.
 
     A modulation p of a wave q makes waves q + p. In second order 1/(K(q) + c) becomes the mean of 1/(K(|q + p|) + c)
     over directions, by which K(q) seems to grow. Its growth at p = 2q and c = K(q) is divided by the half-space's;
@@ -179,10 +166,7 @@ class Problem:
         return response
 
     def between(self, states: Sequence[Equilibrium], gap: float) -> np.ndarray:
-        """Response at a mean gap from those at others, shape (k, n): ln f as a polynomial through them of ln ū.
-
-        A mean gap beyond the last state changes ln f of that one by no more than a bound.
-        """
+        """Response at a mean gap from those at others, shape (k, n): ln f a polynomial of ln ū, bounded beyond them."""
         places, place = np.log([state.gap for state in states]), np.log(gap)
         logarithm = np.zeros_like(states[-1].response)
         for own, state in zip(places, states, strict=True):
@@ -223,13 +207,14 @@ class Problem:
         weights, gradients = np.empty((2, scales.steps.size + 1, x.size))
         answer, f, weight = (np.empty_like(response) for _ in range(3))
         factors = np.empty((scales.steps.size, 3, x.size))
-        along = scales.stiffness, scales.modulation, scales.square, scales.steps, self.kernel, self.traction, start
+        steps = scales.stiffness, scales.modulation, scales.square, scales.steps
+        given = x, self._geometry, steps, self.kernel, self.traction, start, options.sharp_scales
         elastic = 0.0
 
         def update(logarithm: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
             nonlocal elastic
             np.exp(logarithm, out=f)
-            elastic = sweep(x, self._geometry, *along, options.sharp_scales, f, weights, gradients, answer, factors)
+            elastic = sweep(*given, f, weights, gradients, answer, factors)
             change = compare(weights, f, answer, *bounds, options.unseen_area, weight)
             residual = np.log(answer)
             residual -= logarithm
@@ -253,9 +238,8 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
     """Pieces of the curve, from far to contact with falling mean gaps in each, and how many states were lost.
 
     The first piece is the approach, from ``far`` away to a gap of ``near`` and a pressure of ``highest``, with states
-    that are not converged if it is the only one. Under strong adhesion the first asperities that touch make long waves
-    unstable, and it ends early. If ``thorough``, nearer states are reached by adhesion that grows at one mean gap, and
-    those of next to whole contact from contact outward.
+    that are not converged if it is the only one. Under strong adhesion it ends early: if ``thorough``, nearer states
+    are reached by adhesion that grows at one mean gap, and those of next to whole contact from contact outward.
     """
 
     def passed(state: Equilibrium) -> bool:
@@ -312,9 +296,8 @@ def _follow(
 ) -> tuple[list[Equilibrium], bool]:
     """States from one on towards contact (way −1) or away from it (1), and whether the last ones were lost.
 
-    They are followed until two have passed, one more than asked for: a spline is at its best between its points. They
-    lie on nodes: a mean gap between nodes begins as a little scatter about it, whose energy depends on where
-    between and would stand in the pressure as a ripple. As many lost in a row as the patience end it.
+    They are followed until two have passed or, in a row, as many as the patience were lost. They lie on nodes: the
+    scatter of a mean gap between nodes has an energy that would stand in the pressure as a ripple.
     """
     x, options = problem.gaps, problem.options
     node = int(np.argmin(np.abs(x - start.gap)))

@@ -31,8 +31,7 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.edge_flow.equilibrium import KERNEL, EdgeFlowOptions, Equilibrium, Piece, Problem, curve, scales_of
 from theory.gap_flow.gap_grid import GapNodes, nodes_even_in_stress
-from theory.gap_flow.pressure_curve import PressureCurve, core_of, positions
-from theory.gap_flow.state import GapState
+from theory.gap_flow.state import GapState, PressureCurve, core_of, positions
 
 # Nodes of the gap and steps of the roughness.
 EDGE_FLOW_GAPS, EDGE_FLOW_SCALES = 240, 80
@@ -43,11 +42,8 @@ _FAR = 7.0
 # Order of the spline through the energy, states that it needs, and points of its derivative between two mean gaps.
 _ORDER, _MANY, _POINTS = 5, 12, 16
 
-# States of the curve from which the start of one between them is interpolated.
-_NEIGHBOURS = 4
-
-# Pressure, in deviations of the stress of full contact, that the curve reaches if none is asked.
-_WHOLE_CONTACT = 4.0
+# States of the curve from which one between them starts; pressure that it reaches, in deviations of full contact's.
+_NEIGHBOURS, _WHOLE_CONTACT = 4, 4.0
 
 
 @dataclass(frozen=True)
@@ -281,9 +277,8 @@ def edge_flow(
         limit = (
             f"{share:.2g} of the energy of full contact, softening {softening:.2g} times the finest wave's stiffness"
         )
-        flow = EdgeFlow(
-            reduced, length, modulus, *curve(problem, far, near, highest, count > scales), limit, problem, nodes
-        )
+        found = curve(problem, far, near, highest, count > scales)
+        flow = EdgeFlow(reduced, length, modulus, *found, limit, problem, nodes)
         if flow.converged:
             break
     return flow

@@ -12,13 +12,9 @@ from theory.numerics.tridiagonal import factorise, solve
 
 _GAMMA = 1 - 1 / np.sqrt(2)
 
-# Weight per unit of the gap below which a node's response follows from the local curvature. Such a node changes
-# nothing, and its equations would be rounding errors.
-_EMPTY = 1e-12
-
-# Least curvature in units of −K that the response of such a node is taken at.
-_STABLE = 0.8
-
+# Weight per unit of the gap below which a node's equations would be rounding errors: its response is that of the local
+# curvature, of which the other number is the least in units of −K.
+_EMPTY, _STABLE = 1e-12, 0.8
 
 # Largest growth of the gradients in a stage of a step: its implicit equations have no sense where it reaches 1.
 _FASTEST = 0.5
@@ -27,8 +23,7 @@ _FASTEST = 0.5
 def differences(x: np.ndarray) -> np.ndarray:
     """Coefficients of the differences on nodes, shape (5, n); the first four are zero at the ends.
 
-    ½u'' = c₀ (u₋ − u) + c₁ (u₊ − u) and u' = c₂ (u − u₋) + c₃ (u₊ − u). Both are of second order where nodes vary
-    smoothly. c₄ is the length of the gap that belongs to a node.
+    ½u'' = c₀ (u₋ − u) + c₁ (u₊ − u) and u' = c₂ (u − u₋) + c₃ (u₊ − u); c₄ is the gap that belongs to a node.
     """
     found = np.zeros((5, x.size))
     before, behind = np.diff(x)[:-1], np.diff(x)[1:]
@@ -41,23 +36,7 @@ def differences(x: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def sweep(
-    x,
-    geometry,
-    stiffness,
-    modulation,
-    square,
-    steps,
-    kernel,
-    traction,
-    start,
-    sharp,
-    response,
-    weights,
-    gradients,
-    answer,
-    factors,
-):
+def sweep(x, geometry, scales, kernel, traction, start, sharp, response, weights, gradients, answer, factors):
     """Follow the distribution from coarse to fine and the traction back; every scale's response to what they find.
 
     Filled are ``weights`` P and ``gradients`` M = P <|∇u|²> finer than each scale, shape (k + 1, n), the last row the
@@ -67,6 +46,7 @@ def sweep(
     Euler method. Returns the elastic energy of all scales.
     """
     n = x.size
+    stiffness, modulation, square, steps = scales
     early, late, curvature, rows = np.empty(n), np.empty(n), np.empty(n), np.empty((7, n))
     _distribute(geometry, square, steps, start, sharp, response, weights, gradients, factors)
     mean = traction.copy()
@@ -94,10 +74,7 @@ def sweep(
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def compare(weights, response, answer, least, largest, unseen, importance):
-    """Largest change of a scale's mean response; bounds the answer, and fills the importance of each of its values.
-
-    An answer that would be negative or larger than the bound is no equilibrium: its distance from there counts.
-    """
+    """Largest change of a scale's mean response; bounds the answer, and fills the importance of each of its values."""
     worst = 0.0
     for k in range(response.shape[0]):
         change = 0.0

@@ -25,8 +25,7 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.gap_flow.gap_grid import GapNodes, gap_nodes
 from theory.gap_flow.kernels import BRANCHES, backward_sweep, flow_through_scales
-from theory.gap_flow.pressure_curve import PressureCurve, core_of, positions
-from theory.gap_flow.state import GapState, cumulatives
+from theory.gap_flow.state import GapState, PressureCurve, core_of, cumulatives, positions
 
 # Nodes of the gap and bands of wavevectors.
 GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600

@@ -44,11 +44,7 @@ class GapNodes:
         return inner_product(shares, 0.5 * (self._stress[1:] + self._stress[:-1]))
 
     def stress_masses(self, shares: np.ndarray, bins: np.ndarray) -> np.ndarray:
-        """Area in each bin of the stress σ = −φ'(u), shape (m,) for m + 1 rising ends in units of the modulus.
-
-        In each piece of an interval the area is spread evenly over its stresses, of which the steep repulsion holds
-        many.
-        """
+        """Area in each bin of the stress σ = −φ'(u), shape (m,) for m + 1 rising ends in units of the modulus."""
         masses = np.zeros(bins.size - 1)
         _spread(self._stress, shares, bins, masses)
         return masses
@@ -77,10 +73,8 @@ def gap_nodes(
 def nodes_even_in_stress(
     spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
 ) -> GapNodes:
-    """Nodes as those of :func:`gap_nodes`, and more where the stress of the law varies.
+    """Nodes even in a sum of the coordinate of :func:`gap_nodes` and of the law's stress, which decides the mean.
 
-    The repulsion is so steep that nodes of the gap alone leave few to stresses which decide the mean. These nodes are
-    spaced evenly in a sum of the two coordinates, and so are the ends of their intervals.
     ``count`` is for roughness of the law's own size; wider ranges have more nodes, as many for each factor of e.
     """
     lowest, steps = _reach(spectrum, solid, law, length, largest_gap)
@@ -102,8 +96,7 @@ def _reach(
     spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float
 ) -> tuple[float, float]:
     """The lowest node, and how far the highest is in the inverse hyperbolic sine of the distance from it."""
-    # No patch is pressed by twenty deviations of the stress in full contact. Mean pressures up to the modulus itself
-    # are far more than linear elasticity can make sense of.
+    # No patch is pressed by twenty deviations of full contact; a mean pressure of the modulus is beyond all sense.
     deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
     highest = max(20 * deviation, 1.0) + 5 * law.peak_tensile_stress
     lowest = float(law.repulsive_gap(np.array(-highest)))

@@ -1,5 +1,6 @@
-"""Distribution of the local gap in a theory that knows it, and what is read off it."""
+"""What the theories of the local gap have in common: its distribution, and mean pressure over mean gap."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -7,12 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator, PPoly
 
+from contact_study.inputs.units import stress
+from contact_study.numerics.arguments import finite
 from contact_study.physics.laws.base import TractionLaw
 from theory.datasets import dataset_of
 from theory.gap_flow.gap_grid import GapNodes
 
 if TYPE_CHECKING:
     import xarray as xr
+
+# What helps where a curve ends early.
+REMEDY = "use a lower pressure, weaker adhesion or Persson's theory"
 
 # Relative change of the area and of the mean gap that the rounding of some thousand steps explains.
 _KEPT = 1e-6
@@ -22,6 +28,8 @@ _SEEN = 1e-9
 
 # Weights below it are none: a state at a gap far beyond the roughness falls off through all numbers.
 _NO_WEIGHT = 1e-200
+
+_QUANTITIES = ("relative_repulsive_area", "elastic_energy", "interaction_energy", "stress_balance", "residual")
 
 
 def cumulatives(nodes: GapNodes, weights: np.ndarray) -> list[PPoly]:
@@ -91,11 +99,7 @@ class GapState:
 
     @property
     def residual(self) -> float:
-        """Last change of the responses; of a theory without iteration what parts both pressures, over E*.
-
-        That is no measure of convergence but of the resolution: second order in the nodes of the gap, first in the
-        scales and where coexistence ends between nodes.
-        """
+        """Last change of the responses; of a theory without iteration what parts both pressures, over E*."""
         if self.change is not None:
             return self.change
         return abs(self.mean_traction - self.pressure) / self.contact_modulus
@@ -152,25 +156,17 @@ class GapState:
         return self.nodes.stress_masses(self._shares, bins) / np.diff(edges)
 
     def quantities(self, contact_distance: float | None = None) -> dict[str, Any]:
-        """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges.
-
-        The mean gap is from the law's equilibrium distance, as in all datasets; arguments as :meth:`to_dataset`.
-        """
+        """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges."""
         own = self.law.contact_distance * self.length
-        return {
+        return {name: getattr(self, name) for name in _QUANTITIES} | {
             "mean_pressure": self.pressure,
             "mean_gap": self.mean_gap - self.law.equilibrium_distance * self.length,
             "relative_contact_area": self.fraction_below(own if contact_distance is None else contact_distance),
-            "relative_repulsive_area": self.relative_repulsive_area,
-            "elastic_energy": self.elastic_energy,
-            "interaction_energy": self.interaction_energy,
             "local_mean_pressure": self.mean_traction,
-            "stress_balance": self.stress_balance,
             "pressure_pdf": self.pressure_density,
             "gap_pdf": self.gap_density,
             "converged": self.converged and self.complete,
             "detached": False,
-            "residual": self.residual,
         }
 
     def to_dataset(
@@ -190,14 +186,97 @@ class GapState:
         """
         held = np.flatnonzero(self.weights > _SEEN)
         low, high = (float(self.nodes.edges[end]) for end in (held[0], held[-1] + 1))
-        stress = -self.law.traction(np.linspace(low, high, 4 * self.gaps.size)) * self.contact_modulus
-        beside = 1e-3 * np.ptp(stress)  # the peak of the law may lie between two of them
+        local = -self.law.traction(np.linspace(low, high, 4 * self.gaps.size)) * self.contact_modulus
+        beside = 1e-3 * np.ptp(local)  # the peak of the law may lie between two of them
         return dataset_of(
             self.labels,
             self.quantities(contact_distance),
-            {"pressure_pdf": pressure_edges, "gap_pdf": gap_edges},
             {
-                "pressure_pdf": (float(stress.min() - beside), float(stress.max() + beside)),
-                "gap_pdf": (low * self.length, high * self.length),
+                "pressure_pdf": (pressure_edges, (float(local.min() - beside), float(local.max() + beside))),
+                "gap_pdf": (gap_edges, (low * self.length, high * self.length)),
             },
         )
+
+
+class PressureCurve(ABC):
+    """The curve p(ū) of a surface, to be asked for the state at a pressure or a mean gap."""
+
+    @property
+    @abstractmethod
+    def mean_gap(self) -> np.ndarray:
+        """Rising mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n,) (m)."""
+
+    @property
+    @abstractmethod
+    def pressure(self) -> np.ndarray:
+        """p = −∂U/∂ū, shape (n,) (Pa)."""
+
+    @abstractmethod
+    def states(self, mean_gaps: np.ndarray) -> list[GapState]:
+        """Distribution of the local gap at each mean gap (m); ValueError outside the nodes of the flow."""
+
+    @property
+    def _from_contact(self) -> bool:
+        """Whether of several stable states at a pressure the one of the smallest gap is asked, not of the largest."""
+        return False
+
+    @property
+    def _end(self) -> str:
+        """Why the curve may end before a pressure."""
+        return "adhesion is too strong for it"
+
+    @property
+    def pull_off_pressure(self) -> float:
+        """Lowest pressure of the curve, the end of adhesion under pressure control (Pa)."""
+        return float(self.pressure.min())
+
+    def gap_at(self, pressure: float) -> float:
+        """Mean gap, from the law's zero, at a pressure (m); NaN where no stable state carries it.
+
+        Of several stable states it is the one of the largest gap, which an approaching block meets first, or on an
+        unloading branch of the smallest. ValueError if the nodes do not reach the pressure.
+        """
+        p, gap = self.pressure, self.mean_gap
+        finite("pressure", pressure, "Pa")
+        if pressure > p.max():
+            raise ValueError(
+                f"pressure: the flow has no equilibrium at {stress(pressure)}, it ends at {stress(float(p.max()))}: "
+                f"{self._end}, or its nodes end there; {REMEDY}"
+            )
+        crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
+        if crossings.size == 0:
+            return float("nan")
+        i = crossings[0 if self._from_contact else -1]
+        weight = (p[i] - pressure) / (p[i] - p[i + 1])
+        return float((1 - weight) * gap[i] + weight * gap[i + 1])
+
+    def pressure_at(self, mean_gap: float) -> float:
+        """Pressure at a mean gap within the nodes (Pa)."""
+        return float(np.interp(mean_gap, self.mean_gap, self.pressure))
+
+    def at_pressure(self, pressure: float) -> GapState:
+        """The distribution of gaps in the state that :meth:`gap_at` chooses (Pa); ValueError if there is none."""
+        gap = self.gap_at(pressure)
+        if np.isnan(gap):
+            lowest = self.pull_off_pressure
+            reason = f"below the pull-off at {lowest:.3g} Pa" if np.isfinite(lowest) else "no state found carries it"
+            raise ValueError(f"pressure = {pressure:g} Pa: {reason}")
+        return self.states(np.array([gap]))[0]
+
+
+def core_of(law: TractionLaw) -> float:
+    """The equilibrium distance, at which a law's core ends (m); ValueError if there is a wall in its place."""
+    if law.has_wall:
+        raise ValueError(f"law: {law.title}: has a wall, which no flow of the local gap goes through; take a core")
+    return law.equilibrium_distance
+
+
+def positions(mean_gaps: np.ndarray, lowest: float, highest: float) -> np.ndarray:
+    """Mean gaps (m) as an array; ValueError if one is outside the two ends, or no number."""
+    asked = np.atleast_1d(np.asarray(mean_gaps, dtype=float))
+    wrong = ~((asked >= lowest) & (asked <= highest))
+    if wrong.any():
+        raise ValueError(
+            f"mean_gaps: {asked[wrong][0]:.6g} m is outside the nodes of the flow, {lowest:.6g} m to {highest:.6g} m"
+        )
+    return asked

@@ -40,9 +40,7 @@ def mean_gap(
 
         ū = (2/√π) ∫ dU w ∫_p^∞ (dp'/p') [β + 3(1−β) erf²(wp')] e^(−(wp')²),     w = (2s)^(−½)
 
-    with the energy dU = π K q C dq of full contact. Its stress variance is s(q) = 2π ∫_{q_L}^q K² q' C dq'. A
-    half-space, K = E* q/2, gives the paper's √π ∫ dq q²C (E*w) … with E*w = (π ∫ q'³C dq')^(−½). The integral over q
-    is done by Gauss's rule in the deviation of the stress, in as many bands as asked.
+    with the energy dU = π K q C dq of full contact and its stress variance s(q) = 2π ∫_{q_L}^q K² q' C dq'.
     """
     stress, energy = stress_and_energy_points(spectrum, elasticity_of(elasticity), bands)
     given = np.atleast_1d(np.asarray(pressure, dtype=float))
@@ -63,10 +61,7 @@ def stress_and_energy_points(
 
 
 def shared_points(root: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss's points of bands from √(2s) at their edges (Pa), and their energies (J/m²) shared among these.
-
-    dU is shared over a band in √s, in which 1/w, singular at q_L, is linear.
-    """
+    """Gauss's points of bands from √(2s) at their edges (Pa), and their energies (J/m²) shared among these in √s."""
     nodes, weights = _gauss(4)
     stress = 0.5 * (root[1:] + root[:-1])[:, None] + 0.5 * np.diff(root)[:, None] * nodes
     share = stress * weights / np.sum(stress * weights, axis=1, keepdims=True)
@@ -95,15 +90,12 @@ def _separation_kernel(x: np.ndarray, beta: float) -> np.ndarray:
 def low_pressure_asymptote(
     spectrum: RoughnessSpectrum, elasticity: Elasticity | float, beta: float = 0.4, bands: int = 1000
 ) -> tuple[float, float]:
-    """u₀ and p₀ of the light-load limit p = p₀ e^(−ū/u₀) (m, Pa).
-
-    u₀ = (2β/√π) ∫ w dU; p₀ follows from the separation at a pressure where the asymptote is exact to rounding.
-    """
+    """u₀ = (2β/√π) ∫ w dU and p₀ of the light-load limit p = p₀ e^(−ū/u₀) (m, Pa)."""
     solid = elasticity_of(elasticity)
     root, parts = _stress_and_energy(spectrum, solid, bands)
     # Mean of w = 1/root over a band whose dU is shared as root d(root).
     inverse = 2 / (root[1:] + root[:-1])
     decay = float(beta * 2 / np.sqrt(np.pi) * np.sum(parts * inverse))
-    light = 1e-12 * solid.contact_modulus
+    light = 1e-12 * solid.contact_modulus  # where the asymptote is exact to rounding
     prefactor = light * np.exp(mean_gap(light, spectrum, solid, beta, bands) / decay)
     return decay, float(prefactor)

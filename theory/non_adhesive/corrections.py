@@ -180,8 +180,7 @@ class NonAdhesiveContact:
                 "converged": True,
                 "detached": False,
             },
-            {"pressure_pdf": pressure_edges},
-            {"pressure_pdf": (0.0, self.pressure + 7 * deviation)},
+            {"pressure_pdf": (pressure_edges, (0.0, self.pressure + 7 * deviation))},
         )
 
 

@@ -29,13 +29,10 @@ from theory.non_adhesive.closed_forms import relative_contact_area, separation, 
 if TYPE_CHECKING:
     import xarray as xr
 
-
-# Bands of the spectrum, and parts of the area that leave contact one after the other: as many of equal area and of
-# equal ratios. Where little area leaves contact u₁ of a single ζ has no bound.
+# Bands of the spectrum, and parts of the area that leave contact: as many of equal area and of equal ratios.
 _BANDS, _PARTS = 100, 50
 
-# Smallest share of the stress variance, or of the spectrum's width, that is resolved. Under light load what leaves
-# contact earlier lies too far away to matter.
+# Smallest share of the stress variance, or of the spectrum's width, that is resolved.
 _FIRST = 1e-12
 
 # Deviations of a part's Gaussian that hold all but a billionth of it, and bins of the gap in the sum over a traction.
@@ -107,8 +104,7 @@ class GapDistribution:
                 "relative_contact_area": self.relative_contact_area,
                 "gap_pdf": with_contact,
             },
-            {"gap_pdf": gap_edges},
-            {"gap_pdf": (0.0, float(np.max(self.centres + _REACH * self.widths)))},
+            {"gap_pdf": (gap_edges, (0.0, float(np.max(self.centres + _REACH * self.widths))))},
         )
 
 
@@ -177,11 +173,10 @@ def attracted_at_light_load(
     regularised: bool = True,
     beta: float = 0.4,
 ) -> float:
-    """Area out of contact with a gap within a range, over the pressure, as the pressure vanishes (1/Pa).
+    """Area out of contact with a gap within a range (m), over the pressure, as the pressure vanishes (1/Pa).
 
-    At a magnification that carries the stress variance s the area in contact is √(2/πs) for every unit of pressure,
-    under √(πs/2): neither depends on the pressure. The sum is that of :func:`gap_distribution`, for an infinite
-    surface, up to a gap of the ``attraction_range`` (m).
+    The sum is that of :func:`gap_distribution` for an infinite surface: at a magnification with the stress variance s
+    the area in contact is √(2/πs) for every unit of pressure, under √(πs/2).
     """
     reach = positive("attraction_range", attraction_range, "m")
     solid = elasticity_of(elasticity)

@@ -13,8 +13,7 @@ class BackgroundTask(Generic[Result]):
     """Work that is done once, by the thread that comes first."""
 
     def __init__(self, ahead: "BackgroundExecutor", work: Callable[[], Result]):
-        self._ahead = ahead
-        self._work = work
+        self._ahead, self._work = ahead, work
         self._claim = threading.Lock()
         self._future: Future[Result] = Future()
 
@@ -38,15 +37,13 @@ class BackgroundTask(Generic[Result]):
 
 
 class BackgroundExecutor:
-    """Threads beside the one that asks, which counts as one of them; results do not depend on how many.
+    """Threads beside the one that asks, which counts as one of them: alone, it does work when that is asked for.
 
-    Warnings are caught for a whole process: work may not catch them. It may ask for the result of work that asks for
-    none. With one thread alone work is done when it is asked for.
+    Warnings are caught for a whole process: work may not catch them. It may ask for work that asks for none.
     """
 
     def __init__(self, threads: int):
-        self._alone = threads < 2
-        self._others = threads - 1
+        self._alone, self._others = threads < 2, threads - 1
         self._waiting: deque[BackgroundTask] = deque()
         self._lock = threading.Lock()
 

@@ -25,13 +25,11 @@ def accelerated(
     largest_step: float = np.inf,
     restarts: int = 0,
 ) -> tuple[np.ndarray, float, int]:
-    """Iterate until the change that ``update`` reports is within the tolerance.
+    """Iterate until the change that ``update`` reports is within the tolerance; values, change and count of updates.
 
     ``update`` gives the residual, image less argument, of values, the weight of each in the least squares, and the
-    change to be stopped at. Values are kept within the bounds. A step takes the share ``mixing`` of the residual in
-    directions which are not among the ``memory`` last ones; one that leads to no numbers is halved up to ``restarts``
-    times in a row. Returned are the values of the last update, its change, infinite if the next values were no numbers,
-    and the count of updates.
+    change. A step takes the share ``mixing`` of the residual in directions which are not among the ``memory`` last
+    ones; one that leads to no numbers is halved up to ``restarts`` times in a row, and then the change is infinite.
     """
     residual, weight, change = update(values)
     count, held, oldest = 1, 0, 0
@@ -70,16 +68,9 @@ def accelerated(
     return values, change, count
 
 
-# Products of a few long vectors, without the threads that a library of linear algebra would start for them. Blocks of
-# vectors are separate arrays, so that compilers vectorise their sums.
-
-
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
 def _weighted_products(turns, weight, residual, products):
-    """Fill the products of the turns, and in the row after them the residual's, all times the weight.
-
-    Above the diagonal, up to ``products[:held, :held]``, stands what is below it.
-    """
+    """Fill the products of the turns, symmetric, and in the row after them the residual's, all times the weight."""
     held, size = turns.shape
     rows = held + 1 + (held + 1) % 2  # two at a time, each of which is read once for two products
     scaled = np.zeros((rows, _BLOCK))

@@ -147,8 +147,7 @@ class PerssonContact:
         # In the scheme σ_a is linear in the variance between two nodes.
         below = theory.stress_variance[theory.wavevectors < at]
         variance = np.append(below[below < end], end) / scale**2
-        stress = self.detachment_stress if theory.work_of_adhesion else np.zeros_like(self.detachment_stress)
-        boundary = np.interp(variance * scale**2, theory.stress_variance, stress)
+        boundary = np.interp(variance * scale**2, theory.stress_variance, self.detachment_stress)
         # The cells are graded for a last variance of one.
         unit = np.sqrt(variance[-1])
         cells, options = theory.cells, theory.options.diffusion
@@ -164,22 +163,14 @@ class PerssonContact:
 
     def quantities(self) -> dict[str, Any]:
         """All values but the mean gap by their names in a dataset; distributions are functions of bin edges."""
-        return {
+        names = ("relative_contact_area", "elastic_energy", "contact_stress", "edge_stress", "stress_balance")
+        further = ("detachment_stress", "effective_work_of_adhesion", "converged", "detached", "iterations")
+        return {name: getattr(self, name) for name in names + further} | {
             "mean_pressure": self.pressure,
-            "relative_contact_area": self.relative_contact_area,
-            "elastic_energy": self.elastic_energy,
             "interaction_energy": self.adhesion_energy,
             "pressure_pdf": self.pressure_density,
-            "contact_stress": self.contact_stress,
-            "edge_stress": self.edge_stress,
-            "stress_balance": self.stress_balance,
             "relative_contact_area_at": self.contact,
-            "detachment_stress": self.detachment_stress,
-            "effective_work_of_adhesion": self.effective_work_of_adhesion,
-            "converged": self.converged,
-            "detached": self.detached,
             "residual": self.residual * self.theory.stress_scale / self.theory.solid.contact_modulus,
-            "iterations": self.iterations,
         }
 
     def to_dataset(
@@ -206,9 +197,8 @@ class PerssonContact:
         if magnifications is not None:
             coordinates["magnification"] = np.asarray(magnifications, dtype=float)
             quantities["pressure_pdf_at"] = self.stress_densities(coordinates["magnification"])
-        names = ("pressure_pdf", "pressure_pdf_at")
-        ranges = dict.fromkeys(names, (float(ends[0]), float(ends[1])))
-        return dataset_of(("persson",), quantities, dict.fromkeys(names, pressure_edges), ranges, coordinates)
+        bins = dict.fromkeys(("pressure_pdf", "pressure_pdf_at"), (pressure_edges, (float(ends[0]), float(ends[1]))))
+        return dataset_of(("persson",), quantities, bins, coordinates)
 
 
 def gap_integral(contacts: Sequence[PerssonContact]) -> Callable[[np.ndarray], np.ndarray]:

@@ -185,10 +185,7 @@ def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_itera
 
 
 def pull_off_pressure(
-    theory: PerssonTheory,
-    accuracy: float = 1e-3,
-    tolerance: float = TOLERANCE,
-    max_iterations: int = MAX_ITERATIONS,
+    theory: PerssonTheory, accuracy: float = 1e-3, tolerance: float = TOLERANCE, max_iterations: int = MAX_ITERATIONS
 ) -> float:
     """Find the pressure at which the adhered branch ends.
 

@@ -54,10 +54,8 @@ class PerssonOptions:
     # load contact is lost where the variance is p².
     early_share: float = 0.4
     early_power: float = 1 / 6
-    # Smallest distance from the first wavevector that nodes resolve, over the width of the spectrum.
-    nearest: float = 1e-14
-    # Share of the stress variance below which roughness is left out: filtered maps have shells down to the rounding.
-    negligible: float = 1e-9
+    nearest: float = 1e-14  # smallest distance from the first wavevector of a node, over the spectrum's width
+    negligible: float = 1e-9  # stress variance left out: filtered maps have shells down to the rounding
     full_contact: float = 7.0  # pressure beyond which contact is full to 1e-12, over the stress scale
     balance: float = 0.02  # largest error of the stress balance of a converged state, over the pressure
     least_pressure: float = 1e-6  # its bound is that of this pressure where p is smaller, over the stress scale
@@ -66,8 +64,8 @@ class PerssonOptions:
 
 
 Response = Callable[[np.ndarray], tuple[StressDistribution, np.ndarray]]
-# σ_a (Pa), its distribution, whether progress ended, the last change over the stress scale, and diffusions.
-FixedPoint = tuple[np.ndarray, StressDistribution, bool, float, int]
+# σ_a (Pa), its distribution, whether it converged or progress ended, the last change over the scale, and diffusions.
+FixedPoint = tuple[np.ndarray, StressDistribution, bool, bool, float, int]
 
 
 @dataclass(frozen=True)
@@ -143,8 +141,7 @@ class PerssonTheory:
     def wavevectors(self) -> np.ndarray:
         """Magnifications from the smallest to the largest wavevector with roughness, shape (nodes + 1,) (1/m).
 
-        They equidistribute 0.4 (s/s₁)^(1/6) + 0.6 ln q. Octaves that add no stress variance get no nodes, so that s
-        grows from each to the next.
+        They equidistribute 0.4 (s/s₁)^(1/6) + 0.6 ln q; octaves that add no stress variance get none.
         """
         options = self.options
         fine = self.spectrum.band_edges(100 * self.nodes)
@@ -207,14 +204,10 @@ class PerssonTheory:
 
     def detachment_stress(self, effective_work: np.ndarray) -> np.ndarray:
         """σ_a(q) from γ_eff(q) (Pa)."""
-        return self.stress_of_square(self.stress_square(effective_work))
+        return self._root(2 * self.alpha * self._stiffness * effective_work)
 
-    def stress_square(self, effective_work: np.ndarray) -> np.ndarray:
-        """2α K γ_eff, the square of σ_a where nothing caps it; negative where γ_eff is (Pa²)."""
-        return 2 * self.alpha * self._stiffness * effective_work
-
-    def stress_of_square(self, square: np.ndarray) -> np.ndarray:
-        """σ_a (Pa) from :meth:`stress_square`."""
+    def _root(self, square: np.ndarray) -> np.ndarray:
+        """σ_a (Pa) from its square where nothing caps it, negative where γ_eff is (Pa²)."""
         return np.minimum(np.sqrt(np.maximum(square, 0.0)), self.stress_cap)
 
     def at_pressure(
@@ -243,27 +236,17 @@ class PerssonTheory:
         if isinstance(start, str):
             if start not in ("adhered", "detached"):
                 raise ValueError(f"start = {start!r}: expected an array, 'adhered' or 'detached'")
-            stress = np.zeros(self.nodes + 1)
-            if start == "adhered":
-                stress = self.detachment_stress(stress + self.work_of_adhesion)
-        else:
-            stress = start.copy()
+            start = self.detachment_stress(np.full(self.nodes + 1, self.work_of_adhesion * (start == "adhered")))
+        first = start if self.work_of_adhesion else np.zeros_like(start)
         variance = self.stress_variance / scale**2
 
         def respond(stress: np.ndarray) -> tuple[StressDistribution, np.ndarray]:
             """The distribution under a σ_a (Pa), and the square of the σ_a that follows (Pa²)."""
             found = diffuse(pressure / scale, variance, stress / scale, self.cells, self.options.diffusion)
-            return found, self.stress_square(self.effective_work_of_adhesion(found.contact))
+            return found, 2 * self.alpha * self._stiffness * self.effective_work_of_adhesion(found.contact)
 
-        end: FixedPoint
-        if self.work_of_adhesion == 0:
-            end = stress, respond(np.zeros_like(stress))[0], False, 0.0, 1
-        else:
-            options = replace(self.options.iteration, tolerance=tolerance, max_iterations=max_iterations)
-            end = self._fixed_point(respond, stress, pressure > 0, options)
-        found, distribution, stalled, change, iterations = end
-        met = change <= tolerance
-        contact = PerssonContact(self, pressure, found, distribution, met, stalled, change, iterations)
+        options = replace(self.options.iteration, tolerance=tolerance, max_iterations=max_iterations)
+        contact = PerssonContact(self, pressure, *self._fixed_point(respond, first, pressure > 0, options))
         return contact if contact.balanced else replace(contact, converged=False)
 
     def _fixed_point(
@@ -275,7 +258,7 @@ class PerssonTheory:
         through zero at some magnification. At zero pressure and under tension a detached state exists as well, and the
         acceleration would change branches: the damped iteration follows the branch of its start.
         """
-        root, scale = self.stress_of_square, self.stress_scale
+        root, scale = self._root, self.stress_scale
         used, spent = stress, 0
         distribution: StressDistribution
 
@@ -295,14 +278,13 @@ class PerssonTheory:
             start, bounds = (stress / scale) ** 2, (-np.inf, np.inf)
             _, change, spent = accelerated(update, start, bounds, options.tolerance, limit, 1.0, options.memory)
             if change <= options.tolerance or spent >= options.max_iterations:
-                return used, distribution, False, change, spent
+                return used, distribution, change <= options.tolerance, False, change, spent
         return self._damped(respond, used, spent, options)
 
     def _damped(self, respond: Response, stress: np.ndarray, spent: int, options: IterationOptions) -> FixedPoint:
         """Iterate σ_a with less relaxation at magnifications where the change alternates.
 
-        σ_a is the root of γ_eff, whose slope has no bound where γ_eff passes through zero: each node needs its own
-        damping.
+        The slope of σ_a has no bound where γ_eff passes through zero: each node needs its own damping.
         """
         relaxation, previous = np.full(stress.size, options.relaxation), np.zeros(stress.size)
         iterations = since = spent
@@ -310,7 +292,7 @@ class PerssonTheory:
         while True:
             distribution, square = respond(stress)
             iterations += 1
-            difference = self.stress_of_square(square) - stress
+            difference = self._root(square) - stress
             change = float(np.max(np.abs(difference))) / self.stress_scale
             if not np.isfinite(change):
                 raise FloatingPointError(f"σ_a is not finite after {iterations - spent} diffusions")
@@ -319,7 +301,7 @@ class PerssonTheory:
             converged = change <= options.tolerance
             stalled = not converged and iterations - since == options.patience
             if converged or stalled or iterations >= options.max_iterations:
-                return stress, distribution, stalled, change, iterations
+                return stress, distribution, converged, stalled, change, iterations
             alternates = difference * previous < 0
             relaxation = np.where(alternates, 0.7 * relaxation, np.minimum(1.1 * relaxation, options.relaxation))
             stress, previous = stress + relaxation * difference, difference
@@ -347,8 +329,7 @@ def _extrapolated(contacts: Sequence[PerssonContact]) -> np.ndarray | str:
     if not contacts:
         return "adhered"
     coefficients = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(contacts)]
-    works = [contact.effective_work_of_adhesion for contact in contacts]
-    work = sum(share * each for share, each in zip(coefficients, works, strict=True))
+    work = sum(k * each.effective_work_of_adhesion for k, each in zip(coefficients, contacts, strict=True))
     return contacts[-1].theory.detachment_stress(np.asarray(work))
 
 

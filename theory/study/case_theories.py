@@ -21,11 +21,8 @@ from theory.numerics.background import BackgroundExecutor, BackgroundTask
 from theory.persson.separation import TOLERANCE, NotConverged
 from theory.persson.theory import PerssonTheory
 
-# Smallest tolerance of the detachment stress that rounding permits, in units of the full-contact stress.
-_FINEST_TOLERANCE = 1e-11
-
-# Reach of the edge flow's curve over the path's highest pressure.
-_RESERVE = 1.1
+# Smallest tolerance of σ_a over the full-contact stress, and reach of the edge flow's curve over the highest pressure.
+_FINEST_TOLERANCE, _RESERVE = 1e-11, 1.1
 
 # The last case, its surface and its theories.
 _kept: list[Any] = []
@@ -67,11 +64,7 @@ class CaseTheories:
 
     @property
     def effort(self) -> tuple[float, int]:
-        """Tolerance, in units of the full-contact stress, and largest number of iterations of Persson's theory.
-
-        ``solver.tolerance`` bounds the change of σ_a over E*, as it bounds the residual stress of simulations. On
-        surfaces with little stress the default of the theory is smaller, and counts.
-        """
+        """Tolerance, over the full-contact stress where ``solver.tolerance`` is over E*, and most iterations."""
         asked = self.case.solver.tolerance * self.persson.solid.contact_modulus / self.persson.stress_scale
         return float(np.clip(asked, _FINEST_TOLERANCE, TOLERANCE)), self.case.solver.max_iterations
 
@@ -98,9 +91,8 @@ class CaseTheories:
         case = self.case
         if case.law.has_wall or not case.theory.has("gap_flow"):
             return ()
-        largest = 0.0
-        if case.loading.control == "gap":
-            largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
+        by_gap = case.loading.control == "gap"
+        largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance if by_gap else 0.0
         gaps, scales = GAP_FLOW_GAPS // self.coarsening, GAP_FLOW_SCALES // self.coarsening
         return tuple(
             self.ahead.begin(partial(gap_flow, self.spectrum, case.solid, case.law, branch, largest, gaps, scales))
@@ -109,10 +101,7 @@ class CaseTheories:
 
     @cached_property
     def gap_flow_states(self) -> tuple[BackgroundTask[list[GapState | None]], ...]:
-        """The states of each branch along the path: None where none carries the pressure.
-
-        The result is an InputError if a point of the path is beyond any contact.
-        """
+        """States of each branch along the path, None where none carries the pressure; may raise an InputError."""
         return tuple(
             self.ahead.begin(lambda begun=begun: _states_along(self.case, begun.result()))  # type: ignore[misc]
             for begun in self._gap_flows_begun
@@ -120,10 +109,7 @@ class CaseTheories:
 
     @cached_property
     def edge_flow(self) -> EdgeFlow | None:
-        """The edge flow as far as the path needs it; None for laws with a hard wall, or where the study asks for none.
-
-        InputError if a point of the path is beyond any contact.
-        """
+        """The edge flow as far as the path needs it, if the study asks for it; InputError if that is beyond contact."""
         try:
             return None if self._edge_flow_begun is None else self._edge_flow_begun.result()
         except ValueError as error:

@@ -5,6 +5,7 @@
 them; ``edge_flow`` is the edge flow.
 """
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -17,24 +18,33 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.schema import quantity_of
+from contact_study.results.schema import RESOLUTION_ERROR, quantity_of
 from contact_study.results.state import Step, Value
 from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from theory.criteria import local_tabor_number, range_of, stickiness
-from theory.persson.separation import energy_defect, pull_off_pressure
-from theory.study import accuracy as resolution
+from theory.persson.separation import NegativeSeparation, NotConverged, energy_defect, pull_off_pressure
+from theory.study import paths
 from theory.study.case_theories import CaseTheories, case_theories
-from theory.study.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
-from theory.study.persson_paths import PERSSONS_OWN, magnifications, persson_path, stored_wavevectors
 
 MODEL = MODELS["theory"]
 POINTS_FOR_THREADS = 0
 
-# Limits of plausible input: largest detachment stress over the stress of the roughness, for beyond it the surface is
-# flat to the law, and largest wavelength of the finest roughness over the law's length.
+# Largest σ_a over the stress of the roughness, and wavelength of the finest roughness over the length of the law.
 _FLATTEST, _COARSEST = 300.0, 1e5
+
+# Quantities with an error, and the words of a warning.
+_JUDGED = {
+    "relative_contact_area": "of the contact area",
+    "mean_gap": "of the rms height in the mean gap",
+    "mean_pressure": "of the full-contact stress in the mean pressure",
+    "stress_balance": "of the pressure in the balance of stress",
+}
+
+
+class Unresolved(UserWarning):
+    """States of a theory whose estimated error of resolution exceeds ``theory.accuracy``."""
 
 
 def check(case: Case) -> None:
@@ -56,10 +66,7 @@ def check(case: Case) -> None:
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Warn of roughness that is too coarse for the law, in one line for the whole study.
-
-    InputError if the detachment stress exceeds the stress of the roughness so far that the surface is flat to the law.
-    """
+    """Warn of roughness that is too coarse for the law; InputError if adhesion is so strong that it is flat to it."""
     coarse = []
     for case, scale in zip(study.cases, scales, strict=True):
         solid, law = case.solid, case.law
@@ -104,14 +111,14 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         "rms_height": float(np.sqrt(spectrum.mean_square_height)),
         "rms_slope": spectrum.rms_slope,
         "energy_defect": defect,
-        "wavevector": stored_wavevectors(theory),
+        "wavevector": paths.stored_wavevectors(theory),
     }
     if case.theory.magnifications:
-        values["magnification"] = magnifications(theory, case.theory.magnifications)
+        values["magnification"] = paths.magnifications(theory, case.theory.magnifications)
     if law.attracts:
         values |= stickiness(spectrum, case.solid, law).quantities()
         values["local_tabor_number"] = local_tabor_number(
-            stored_wavevectors(theory), spectrum, case.solid, law.work_of_adhesion, range_of(law)
+            paths.stored_wavevectors(theory), spectrum, case.solid, law.work_of_adhesion, range_of(law)
         )
     for theories in every:
         tolerance, max_iterations = theories.effort
@@ -120,7 +127,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
             flows = theories.gap_flows
         values[theories.named("persson/pull_off_pressure")] = pull
         for flow in flows:
-            values[theories.named(flow_name(flow.branch, "pull_off_pressure"))] = flow.pull_off_pressure
+            values[theories.named(paths.flow_name(flow.branch, "pull_off_pressure"))] = flow.pull_off_pressure
         if theories.edge_flow is not None:
             values[theories.named("edge_flow/pull_off_pressure")] = theories.edge_flow.pull_off_pressure
     return values
@@ -129,26 +136,22 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
 def solve_path(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
 ) -> Iterator[Step]:
-    """Yield a step for each path point from number ``start`` on, with ``restart`` that of the point before.
-
-    Each state of Persson's theory starts from the one before, since under tension the branch matters. The first starts
-    from the adhered branch, as in the paper.
-    """
+    """Yield a step for each path point from number ``start`` on, with ``restart`` that of the point before."""
     every, accuracy = case_theories(case, surface), case.theory.accuracy
     found = _along(every, restart or {}, start)
     if accuracy is None:
         yield from (Step(values, restart=state) for values, state in found)
         return
     halved = tuple(replace(theories, coarsening=2) for theories in every)
-    coarser = resolution.quietly(values for values, _ in _along(halved, {}, 0))
+    coarser = _quietly(values for values, _ in _along(halved, {}, 0))
     missed: dict[str, list[tuple[float, str]]] = {}
     both = zip(found, islice(coarser, start, None), strict=True)
     for number, ((values, state), others) in enumerate(both, start):
-        added, worst = resolution.errors(values, others, every[0], accuracy)
+        added, worst = errors(values, others, every[0], accuracy)
         for name, error in worst.items():
             missed.setdefault(name, []).append(error)
         if number == len(case.path) - 1:  # the consumer stops at the last step
-            resolution.warn(missed, len(case.path) - start, accuracy)
+            _warn(missed, len(case.path) - start, accuracy)
         yield Step(values | added, restart=state)
 
 
@@ -156,35 +159,96 @@ def _along(
     every: tuple[CaseTheories, ...], restart: Mapping[str, np.ndarray], start: int
 ) -> Iterator[tuple[dict[str, Any], dict[str, np.ndarray]]]:
     """Values of all theories and the restart state, at each path point from number ``start`` on."""
-    paths = [persson_path(theories, restart.get(_stress_name(theories), "adhered"), start) for theories in every]
-    flows = [(theories, [*gap_flow_paths(theories), *edge_flow_paths(theories, start)]) for theories in every]
-    for number, states in enumerate(zip(*paths, strict=True), start):
+    names = ["_".join(["detachment_stress", *filter(None, [theories.other])]) for theories in every]
+    states_along = [
+        paths.persson_path(each, restart.get(name, "adhered"), start) for each, name in zip(every, names, strict=True)
+    ]
+    flows = [[*paths.gap_flow_paths(theories), *paths.edge_flow_paths(theories, start)] for theories in every]
+    for number, states in enumerate(zip(*states_along, strict=True), start):
         values: dict[str, Any] = {}
-        for theories, (own, _) in zip(every, states, strict=True):
-            shared = {name: value for name, value in own.items() if name not in PERSSONS_OWN}
-            values |= {theories.named(f"persson/{name}"): value for name, value in shared.items()}
-            if not theories.other:
-                values |= {name: own[name] for name in PERSSONS_OWN if name in own}
-        for theories, found in flows:
+        kept: dict[str, np.ndarray] = {}
+        for theories, found, stress_name, (own, stress) in zip(every, flows, names, states, strict=True):
+            for name, value in own.items():
+                if name not in paths.PERSSONS_OWN:
+                    values[theories.named(f"persson/{name}")] = value
+                elif not theories.other:
+                    values[name] = value
             for path in found:
                 values |= {theories.named(name): value for name, value in path(number).items()}
-        stresses = {_stress_name(theories): stress for theories, (_, stress) in zip(every, states, strict=True)}
-        kept = {name: stress for name, stress in stresses.items() if not isinstance(stress, str)}
+            if not isinstance(stress, str):
+                kept[stress_name] = stress
         yield _with_compression(values, every[0].case.solid), kept
 
 
-def _stress_name(theories: CaseTheories) -> str:
-    return f"detachment_stress_{theories.other}" if theories.other else "detachment_stress"
-
-
 def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, Any]:
-    """The values of every theory with its mean separation, and with a layer's uniform compression in its energy.
-
-    Mean gap and mean separation differ by that compression alone, because nothing slides in a theory of the mean gap.
-    """
+    """The values of every theory with its mean separation, and with a layer's uniform compression in its energy."""
     for name in [name for name in values if quantity_of(name)[1] == "mean_gap"]:
         group = name.removesuffix("mean_gap")
         gap, pressure, energy = (float(values[group + key]) for key in ("mean_gap", "mean_pressure", "elastic_energy"))
         values[group + "mean_separation"] = gap - solid.compression(pressure)
         values[group + "elastic_energy"] = energy + solid.compression_energy(pressure)
     return values
+
+
+def _quietly(values: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Values of coarse theories without their warnings, which the fine ones repeat where they matter."""
+    while True:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NotConverged)
+            warnings.simplefilter("ignore", NegativeSeparation)
+            found = next(values, None)
+        if found is None:
+            return
+        yield found
+
+
+def errors(
+    fine: Mapping[str, Any], coarser: Mapping[str, Any], theories: CaseTheories, accuracy: float
+) -> tuple[dict[str, Any], dict[str, tuple[float, str]]]:
+    """Errors of a point's states, in units of the quantities, with flags; the worst of those not resolved, with words.
+
+    A state of Persson's theory that is ``resolved`` has a ``stress_balance`` of one, too. Areas are compared with
+    themselves, gaps with the rms height, pressures with the stress of full contact; what is prescribed has no error.
+    One that exists at one of the two resolutions only has the error NaN.
+    """
+    scales = {
+        "mean_gap": float(np.sqrt(theories.spectrum.mean_square_height)),
+        "mean_pressure": theories.persson.stress_scale,
+    }
+    prescribed = f"mean_{theories.case.loading.control}"
+    found: dict[str, Any] = {}
+    worst: dict[str, tuple[float, str]] = {}
+    for name in fine:
+        labels, quantity = quantity_of(name)
+        if quantity not in _JUDGED or quantity == prescribed:
+            continue
+        one, other = float(fine[name]), float(coarser[name])
+        state = "/".join(labels)
+        if quantity == "stress_balance":
+            if not state.startswith("persson"):
+                continue
+            error, scale, other = abs(one - 1.0), 1.0, one
+        else:
+            error, scale = 0.0 if one == other else abs(one - other), scales.get(quantity, one)  # both may be infinite
+            found[name + RESOLUTION_ERROR] = error if np.isfinite(error) else np.nan
+        if np.isnan(one) and np.isnan(other):  # defined at neither resolution
+            error = 0.0
+        share = error / scale if scale else np.inf if error else 0.0
+        found.setdefault(f"{state}/resolved", True)
+        if not share <= accuracy:
+            found[f"{state}/resolved"] = False
+            worst[state] = max(worst.get(state, (0.0, "")), (np.inf if np.isnan(share) else share, _JUDGED[quantity]))
+    return found, worst
+
+
+def _warn(missed: Mapping[str, list[tuple[float, str]]], points: int, accuracy: float) -> None:
+    """One warning for each theory that misses the accuracy somewhere on the path."""
+    for state, cases in missed.items():
+        share, words = max(cases)
+        size = f"{share:.2g} {words}" if np.isfinite(share) else "a state that half the resolution does not find"
+        warnings.warn(
+            f"{state.replace('_', ' ')}: at {len(cases)} of {points} points the estimated error of the resolution is "
+            f"above theory.accuracy = {accuracy:g}, at most {size}",
+            Unresolved,
+            stacklevel=2,
+        )
