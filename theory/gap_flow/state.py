@@ -1,4 +1,4 @@
-"""What the theories of the local gap have in common: its distribution, and mean pressure over mean gap."""
+"""Theories of the local gap share its distribution, what is read off it, and the mean pressure over the mean gap."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
