@@ -25,11 +25,8 @@ from theory.persson.theory import true_area_factor
 if TYPE_CHECKING:
     import xarray as xr
 
-# κ of light contact without adhesion, A = κ F/(E* h'), in simulations.
-_KAPPA = 2.0
-
-# Largest height of the bearing area in deviations: 1e-23 of the area lies beyond.
-_HIGHEST = 10.0
+_KAPPA = 2.0  # of light contact without adhesion, A = κ F/(E* h'), in simulations
+_HIGHEST = 10.0  # height of the bearing area in deviations: 1e-23 of the area lies beyond
 
 
 def persson_tosatti_ratio(

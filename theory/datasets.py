@@ -10,8 +10,7 @@ from contact_study.results.schema import COORDINATES, LABELS, variable_of
 if TYPE_CHECKING:
     import xarray as xr
 
-# Default number of bins of a distribution.
-_BINS = 400
+_BINS = 400  # of a distribution by default
 
 
 def dataset_of(

@@ -1,15 +1,9 @@
 """Contacts with analytic solutions, to hold a calculation against: a paraboloid, and waves in one and two directions.
 
 All in SI; pressures and forces are positive in compression. Arguments are numbers or arrays that broadcast; a
-ValueError names one that is not possible.
-
-A paraboloid of radius R (m) is pressed on a half-space of contact modulus E* (Pa) by a force F (N), with the work of
-adhesion w (J/m²). Hertz: no adhesion. JKR: adhesion of no range, for a large Tabor parameter. DMT: adhesion outside a
-contact of Hertz's shape, for a small one. Maugis: a constant tension up to a finite range, from the one to the other.
-
-Waves h cos(2πx/λ), and Δ cos(2πx/λ) cos(2πy/λ), an egg box, have amplitudes and wavelength in m: peak to valley they
-measure 2h and 2Δ. The first is solved at every pressure, with and without adhesion of no range; of the egg box both
-limits are known. Relative pressures p/p* and areas 2a/λ or A/A₀ lie between 0 and 1.
+ValueError names one that is not possible. A paraboloid of radius R (m) is pressed on a half-space of contact modulus E*
+(Pa) by a force F (N), with the work of adhesion w (J/m²). Waves are h cos(2πx/λ), and Δ cos(2πx/λ) cos(2πy/λ), an egg
+box. Relative pressures p/p* and areas 2a/λ or A/A₀ lie between 0 and 1.
 """
 
 import numpy as np
@@ -167,8 +161,7 @@ def wave_full_contact_pressure(amplitude: Number, wavelength: Number, contact_mo
 
 def wave_relative_area(relative_pressure: Number) -> np.ndarray:
     """2a/λ = (2/π) arcsin √(p/p*) without adhesion, from p/p*; the same source."""
-    given = _share("relative_pressure", relative_pressure)
-    return 2 / np.pi * np.arcsin(np.sqrt(given))
+    return 2 / np.pi * np.arcsin(np.sqrt(_share("relative_pressure", relative_pressure)))
 
 
 def wave_relative_pressure(relative_area: Number, adhesion: Number = 0.0) -> np.ndarray:

@@ -25,8 +25,7 @@ KERNEL = (0.25, 0.0, 4.0)
 class EdgeFlowOptions:
     """Numerical choices of the edge flow; the defaults serve all surfaces and laws that were tried."""
 
-    # Bounds of the response f.
-    least: float = 1e-3
+    least: float = 1e-3  # bounds of the response f
     largest: float = 20.0
     sharp_scales: int = 6  # coarse ones, of a sharp distribution, taken by the implicit Euler method
     unseen_area: float = 1e-9  # area per scale below which the change of a node does not count
@@ -34,9 +33,8 @@ class EdgeFlowOptions:
     restarts: int = 3  # halvings of an iteration that leads to no numbers
     extrapolation: float = 0.2  # largest change of ln f by which a start is extrapolated
     bands: int = 20000  # in which the variance is tabulated, to be cut into scales
-    # A scale has no more variance than all finer ones and this, in squares of the law's length; its width in ln q.
-    finest_variance: float = 0.01
-    widest_band: float = 0.25
+    finest_variance: float = 0.01  # and that of all finer ones a scale has at most, in squares of the law's length
+    widest_band: float = 0.25  # of a scale in ln q
     modulation: float = 2.0  # its wavenumber, in those of the wave, at which solids are compared with the half-space
     weakest: float = 0.05  # part of the law from which adhesion is grown at one mean gap
     growth: float = 1.5  # of that part, at first and at least
@@ -47,8 +45,7 @@ class EdgeFlowOptions:
     fewest: int = 4  # states of a piece
     bounded_area: float = 0.1  # of a scale in which the growth of the gradients may be bounded
     more_scales: int = 3  # times as many scales, where that is larger or states are lost
-    # Parts of the distance at which the approach ended where adhesion is grown instead.
-    starts: tuple[float, ...] = (0.7, 0.45, 0.25, 0.1, 0.04)
+    starts: tuple[float, ...] = (0.7, 0.45, 0.25, 0.1, 0.04)  # of the approach's end, where adhesion is grown instead
 
 
 _DEFAULT = EdgeFlowOptions()

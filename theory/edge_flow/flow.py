@@ -14,9 +14,8 @@ stands for p²/q² on functions of u, equilibrium of the scale asks, with g = 1,
     [κ(X) K + c] f = K,     κ(X) = 1 + g [X/4 + 4/(X + 4) − 1].
 
 On another solid g(q) is :func:`theory.edge_flow.equilibrium.modulation_cost`; on springs it is zero, and f = K/(K + c)
-as in the gap flow. With E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū; how the mean traction differs from it is
-the theory's own measure of its error. There is no hull and no hysteresis. Under strong adhesion the iteration finds no
-state at some mean gaps between far and contact, and the curve has several pieces.
+as in the gap flow. With E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū. There is no hull and no hysteresis.
+Under strong adhesion the curve has several pieces.
 """
 
 from dataclasses import dataclass
@@ -33,17 +32,12 @@ from theory.edge_flow.equilibrium import KERNEL, EdgeFlowOptions, Equilibrium, P
 from theory.gap_flow.gap_grid import GapNodes, nodes_even_in_stress
 from theory.gap_flow.state import GapState, PressureCurve, core_of, positions
 
-# Nodes of the gap and steps of the roughness.
-EDGE_FLOW_GAPS, EDGE_FLOW_SCALES = 240, 80
+EDGE_FLOW_GAPS, EDGE_FLOW_SCALES = 240, 80  # nodes of the gap and steps of the roughness
 
-# Mean gap, in rms heights beyond twice the law's own, at which nothing is felt yet.
-_FAR = 7.0
-
-# Order of the spline through the energy, states that it needs, and points of its derivative between two mean gaps.
-_ORDER, _MANY, _POINTS = 5, 12, 16
-
-# States of the curve from which one between them starts; pressure that it reaches, in deviations of full contact's.
-_NEIGHBOURS, _WHOLE_CONTACT = 4, 4.0
+_FAR = 7.0  # mean gap, in rms heights beyond twice the law's own, at which nothing is felt yet
+_ORDER, _MANY, _POINTS = 5, 12, 16  # of the energy's spline: order, states needed, pressures between two of them
+_NEIGHBOURS = 4  # states of the curve from which one between them starts
+_WHOLE_CONTACT = 4.0  # pressure that the curve reaches if none is asked, in deviations of full contact's stress
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,7 @@ _GAMMA = 1 - 1 / np.sqrt(2)
 # Weight per unit of the gap below which a node's equations would be rounding errors: its response is that of the local
 # curvature, of which the other number is the least in units of −K.
 _EMPTY, _STABLE = 1e-12, 0.8
-
-# Largest growth of the gradients in a stage of a step: its implicit equations have no sense where it reaches 1.
-_FASTEST = 0.5
+_FASTEST = 0.5  # growth of the gradients in a stage of a step, whose implicit equations have no sense from 1 on
 
 
 def differences(x: np.ndarray) -> np.ndarray:
@@ -171,8 +169,7 @@ def _respond(x, cell, scale, kernel, curvature, weights, gradients, answer, rows
     slope *= modulation
     # Block of each node, its right side, and the coupling to the next node: M over q² and the distance.
     a, b, c, d, r, s, coupling = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6]
-    for i in range(n):
-        coupling[i] = 0.0
+    coupling[:] = 0.0
     for i in range(1, n - 2):
         mean = gradients[0, i] + gradients[0, i + 1] + gradients[1, i] + gradients[1, i + 1]
         coupling[i] = 0.25 * max(mean, 0.0) / ((x[i + 1] - x[i]) * square)

@@ -10,9 +10,9 @@ Where c < −K the wave is unstable. In equilibrium two states then coexist: U +
 ("equilibrium"). Without nucleation a patch jumps where its state loses stability: U' + Kū is replaced by its running
 minimum from large gaps downward ("loading") or its running maximum from small gaps upward ("unloading").
 
-With v = ½K²/(K + c) an implicit step reads ½K²/v + Δm v'' = K + c_old, convex and decreasing in v: Newton's method
-never leaves v > 0 once below the root. Its matrix also carries every observable of the local gap, whose diffusivity is
-2v²/K²; the transposed steps, from coarse to fine, turn a mean gap into the distribution of the local gap.
+With v = ½K²/(K + c) an implicit step reads ½K²/v + Δm v'' = K + c_old, convex and decreasing in v. Its matrix also
+carries every observable of the local gap; the transposed steps, from coarse to fine, turn a mean gap into the
+distribution of the local gap.
 """
 
 from dataclasses import dataclass
@@ -27,18 +27,12 @@ from theory.gap_flow.gap_grid import GapNodes, gap_nodes
 from theory.gap_flow.kernels import BRANCHES, backward_sweep, flow_through_scales
 from theory.gap_flow.state import GapState, PressureCurve, core_of, cumulatives, positions
 
-# Nodes of the gap and bands of wavevectors.
-GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600
+GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600  # nodes of the gap and bands of wavevectors
 
 
 @dataclass(frozen=True)
 class GapFlowOptions:
-    """Numerical choices of the gap flow.
-
-    Where two states coexist, a step throws an area of the square root of its variance across the end of coexistence,
-    which is put back onto its last node. Finer steps spread it again; the first, which nothing follows on the way back,
-    must spread by less than the distance of two nodes.
-    """
+    """Numerical choices of the gap flow; the first step must spread an area by less than the distance of two nodes."""
 
     first_variance: float = 1e-5  # height variance of the first step, in squares of the law's length
     growth: float = 500  # of the steps after it, times the number of scales, until the spectrum's bands are shorter
@@ -214,11 +208,7 @@ def gap_flow(
 def _scales(
     spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int, options: GapFlowOptions
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness and height variance of each step, fine scales first.
-
-    The stiffness of a band is the mean over its variance, which makes the full-contact energy Σ ½K Δm exact. At the
-    finest scale the steps begin small and grow.
-    """
+    """Stiffness, a mean that makes Σ ½K Δm exact, and height variance Δm of each step, fine scales first."""
     edges = spectrum.band_edges(count)
     variance = 2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
     present = variance > 0  # some shells of a filtered surface are below the rounding of the sums

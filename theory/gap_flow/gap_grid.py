@@ -11,18 +11,13 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity
 
-# Pieces of a node's interval over which the distribution of stress is summed.
-_PIECES = 32
-
-# Distance from the lowest node, in the law's lengths, over which nodes are spaced evenly before they widen.
-_FINE = 0.8
+_PIECES = 32  # of a node's interval over which the distribution of stress is summed
+_FINE = 0.8  # distance from the lowest node, in the law's lengths, over which nodes are even before they widen
+_TABLE = 40001  # points between which the coordinate of the nodes is interpolated
 
 # Nodes for one deviation of the stress of full contact, deviations up to which that holds, the part of it for tension,
 # the peak tension in deviations from which on it counts for these, and the range of the gap that is usual.
 _NODES_PER_DEVIATION, _EVEN, _OF_TENSION, _STRONGEST, _USUAL_STEPS = 4.0, 4.0, 0.5, 10.0, 4.6
-
-# Points between which the coordinate of the nodes is interpolated.
-_TABLE = 40001
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,7 @@ from numba import njit
 BRANCHES = ("equilibrium", "loading", "unloading")
 
 _EQUILIBRIUM, _LOADING = 0, 1
-
-# Newton's method in a step: largest relative change of v in its last iteration.
-_STEP_TOLERANCE = 1e-9
+_STEP_TOLERANCE = 1e-9  # largest relative change of v in the last iteration of Newton's method in a step
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
@@ -51,8 +49,7 @@ def _jump_at_instability(x, energy, stiffness, loading, left):
     else:
         for i in range(1, n - 1):
             force[i] = max(force[i], force[i - 1])
-    left[0] = 0
-    left[n - 1] = n - 1
+    left[0], left[n - 1] = 0, n - 1
     for i in range(1, n - 1):
         left[i] = left[i - 1] if force[i] == force[i - 1] else i
     for i in range(n - 2, -1, -1):
@@ -62,16 +59,10 @@ def _jump_at_instability(x, energy, stiffness, loading, left):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def flow_through_scales(x, stiffness, steps, branch, iterations, energy, compliances, hull):
-    """Add all scales to ``energy`` in place; keeps v of every step and the coexisting states.
-
-    Returns the number of steps in which Newton's method did not meet its tolerance.
-    """
+    """Add all scales to ``energy`` in place; keeps v and coexisting states of each step, returns unconverged ones."""
     n = x.size
     below, above = _second_derivative(x)
-    modulus = np.empty(n)  # K + c before the step
-    v = np.empty(n)
-    pivot = np.empty(n)
-    change = np.empty(n)
+    modulus, v, pivot, change = np.empty(n), np.empty(n), np.empty(n), np.empty(n)  # K + c before the step, v
     unconverged = 0
     for k in range(steps.size):
         stiff, step = stiffness[k], steps[k]
@@ -123,16 +114,10 @@ def flow_through_scales(x, stiffness, steps, branch, iterations, energy, complia
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def backward_sweep(x, stiffness, steps, compliances, hull, weights, elastic):
-    """Carry distributions of the gap from coarse to fine in place, adding up the elastic energy of each scale.
-
-    Each column of ``weights`` is one distribution: they lie side by side in memory, so that each step of a recurrence
-    over the nodes is one of vectors.
-    """
+    """Carry distributions, columns of ``weights``, from coarse to fine in place, adding up their elastic energies."""
     n, states = weights.shape
     below, above = _second_derivative(x)
-    own = np.empty(n)
-    pivot = np.empty(n)
-    ratio = np.empty(n)
+    own, pivot, ratio = np.empty(n), np.empty(n), np.empty(n)
     right = np.empty(n, dtype=np.int32)
     later = np.empty(states)
     for k in range(steps.size - 1, -1, -1):
@@ -176,8 +161,7 @@ def backward_sweep(x, stiffness, steps, compliances, hull, weights, elastic):
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _second_derivative(x):
     """Weights of the nodes below and above in the second derivative at a node; zero at the ends."""
-    below = np.zeros(x.size)
-    above = np.zeros(x.size)
+    below, above = np.zeros(x.size), np.zeros(x.size)
     for i in range(1, x.size - 1):
         cell = 0.5 * (x[i + 1] - x[i - 1])
         below[i] = 1.0 / ((x[i] - x[i - 1]) * cell)

@@ -17,18 +17,11 @@ from theory.gap_flow.gap_grid import GapNodes
 if TYPE_CHECKING:
     import xarray as xr
 
-# What helps where a curve ends early.
-REMEDY = "use a lower pressure, weaker adhesion or Persson's theory"
+REMEDY = "use a lower pressure, weaker adhesion or Persson's theory"  # what helps where a curve ends early
 
-# Relative change of the area and of the mean gap that the rounding of some thousand steps explains.
-_KEPT = 1e-6
-
-# Area of a node below which default bins need not reach it.
-_SEEN = 1e-9
-
-# Weights below it are none: a state at a gap far beyond the roughness falls off through all numbers.
-_NO_WEIGHT = 1e-200
-
+_KEPT = 1e-6  # relative change of area and mean gap that the rounding of some thousand steps explains
+_SEEN = 1e-9  # area of a node below which default bins need not reach it
+_NO_WEIGHT = 1e-200  # weights below it are none: far beyond the roughness they fall off through all numbers
 _QUANTITIES = ("relative_repulsive_area", "elastic_energy", "interaction_energy", "stress_balance", "residual")
 
 

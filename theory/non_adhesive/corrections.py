@@ -12,9 +12,9 @@ B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); C. Yang, B. N. J. Persson, J.
 (2008); A. Wang, M. H. Müser, Tribol. Lett. 65 (2017); Y. Xu, L. Zhu, F. Xiao, Y. Zhou, Tribol. Lett. (2024),
 doi:10.1007/s11249-024-01838-4, whose programs, https://github.com/xylcsi/PerssonModelFudgeFactor, have γ = 0.42.
 
-V_p/p² = t is one function of V/p² = F for every spectrum, solid and pressure. The elastic energy is U = ∫ W dU_full
-with dU_full = dV/2K that of full contact and W = A dt/dF, and ū = ∫_p^∞ dU/p'. So energy, mean gap and stiffness are
-sums over the bands of a spectrum of functions of x = p/√V: W(x), G(x) = ∫_x^∞ W'(x')/x' dx' and W'(x).
+V_p/p² = t is one function of V/p² = F. The elastic energy is U = ∫ W dU_full with dU_full = dV/2K and W = A dt/dF, and
+ū = ∫_p^∞ dU/p': energy, mean gap and stiffness are sums over a spectrum of W(x), G(x) = ∫_x^∞ W'(x')/x' dx' and W'(x)
+at x = p/√V.
 """
 
 from collections.abc import Callable
@@ -170,11 +170,9 @@ class NonAdhesiveContact:
 
         return dataset_of(
             (self.theory.correction,),
-            {
+            {name: getattr(self, name) for name in ("mean_gap", "relative_contact_area", "elastic_energy")}
+            | {
                 "mean_pressure": self.pressure,
-                "mean_gap": self.mean_gap,
-                "relative_contact_area": self.relative_contact_area,
-                "elastic_energy": self.elastic_energy,
                 "interaction_energy": 0.0,
                 "pressure_pdf": density,
                 "converged": True,
@@ -190,8 +188,8 @@ class _Curves:
     Below the first node of t contact is full to 1e-22; beyond the last A is below 1e-6 and a power of t.
     """
 
-    def __init__(self, correction: str, gamma: float, first: float = 1e-2, last: float = 1e12, count: int = 3000):
-        t = np.geomspace(first, last, count)
+    def __init__(self, correction: str, gamma: float):
+        t = np.geomspace(1e-2, 1e12, 3000)
         share = _share_of_variance(correction, gamma)
         area = erf(1 / np.sqrt(2 * t))
         if correction == "xu":
@@ -239,9 +237,7 @@ class _Curves:
         return np.clip(np.log(x), self._weight.x[0], self._weight.x[-1])
 
 
-@lru_cache(maxsize=8)
-def _curves(correction: str, gamma: float) -> _Curves:
-    return _Curves(correction, gamma)
+_curves = lru_cache(maxsize=8)(_Curves)
 
 
 def _share_of_variance(correction: str, gamma: float) -> Callable[[np.ndarray], np.ndarray]:

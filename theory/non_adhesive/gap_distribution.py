@@ -7,9 +7,8 @@ That roughness, of rms height h(ζ), spreads the gap as a Gaussian, folded at u 
 
     P(u) = ∫ dζ (−A'(ζ)) [g(u − u₁; h) + g(u + u₁; h)],     u > 0.
 
-``regularised`` narrows the Gaussian where it would reach far below zero, h⁻² → h⁻² + u₁⁻². Experimental: the equations
-were not compared with those in print, but with the gaps of the continuum (docs/theories.md). The mean gap is that of
-the u₁, which is ū exactly; a folded Gaussian has a larger mean.
+``regularised`` narrows the Gaussian where it would reach far below zero, h⁻² → h⁻² + u₁⁻². Experimental: compared with
+the gaps of the continuum (docs/theories.md), not with the equations in print. The mean gap is that of the u₁.
 """
 
 from collections.abc import Callable
@@ -31,15 +30,9 @@ if TYPE_CHECKING:
 
 # Bands of the spectrum, and parts of the area that leave contact: as many of equal area and of equal ratios.
 _BANDS, _PARTS = 100, 50
-
-# Smallest share of the stress variance, or of the spectrum's width, that is resolved.
-_FIRST = 1e-12
-
-# Deviations of a part's Gaussian that hold all but a billionth of it, and bins of the gap in the sum over a traction.
-_REACH, _BINS = 6.0, 4000
-
-# Deviation of a part that lies deep under contact and has a gap of zero (m).
-_LEAST = 1e-100
+_FIRST = 1e-12  # smallest share of the stress variance, or of the spectrum's width, that is resolved
+_REACH, _BINS = 6.0, 4000  # deviations with all but a billionth of a Gaussian, and bins of the gap under a traction
+_LEAST = 1e-100  # deviation of a part that lies deep under contact and has a gap of zero (m)
 
 
 @dataclass(frozen=True)

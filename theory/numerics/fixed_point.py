@@ -7,11 +7,8 @@ from numba import njit
 
 from contact_study.numerics import life
 
-# Added to the normal equations of the least squares, relative to their trace: differences may be parallel.
-_REGULARISATION = 1e-12
-
-# Values that are worked on at a time: those of all remembered states fit into the cache of a core.
-_BLOCK = 256
+_REGULARISATION = 1e-12  # of the least squares, relative to their trace: differences may be parallel
+_BLOCK = 256  # values that are worked on at a time: those of all remembered states fit into the cache of a core
 
 
 def accelerated(

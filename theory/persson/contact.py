@@ -64,7 +64,7 @@ class PerssonContact:
     @property
     def relative_contact_area(self) -> float:
         """A(q₁)/A₀, the real contact area."""
-        return float(self.distribution.contact[-1])
+        return float(self.contact[-1])
 
     @property
     def detached(self) -> bool:
@@ -120,10 +120,10 @@ class PerssonContact:
     @property
     def balanced(self) -> bool:
         """True if contact and edges carry the applied pressure within the bound of the options."""
-        error = self.contact_stress + self.edge_stress - self.pressure
-        options = self.theory.options
-        least = options.least_pressure * self.theory.stress_scale
-        return abs(error) <= options.balance * max(abs(self.pressure), least)
+        error, options = self.contact_stress + self.edge_stress - self.pressure, self.theory.options
+        return abs(error) <= options.balance * max(
+            abs(self.pressure), options.least_pressure * self.theory.stress_scale
+        )
 
     def pressure_density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""

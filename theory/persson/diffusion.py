@@ -1,13 +1,9 @@
 """Diffusion of the interfacial stress distribution with an absorbing boundary that moves.
 
-B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001): with roughness of ever shorter wavelength the stress of the contact
-diffuses, ∂P/∂s = ½ ∂²P/∂σ², where s is its variance in full contact. Contact is lost at the detachment stress:
-P(−σ_a(s), s) = 0.
-
-x = σ + σ_a(s) fixes the front, and ∂P/∂s = ½ ∂²P/∂x² − ∂(σ_a' P)/∂x. The masses of the cells follow a Markov chain
-between neighbouring centres, at rates whose mean displacement is σ_a' exactly: monotone at any speed of the front, it
-conserves area and stress to rounding. The L-stable two-stage SDIRK method in s has one factorisation for both stages,
-because σ_a is linear between nodes of s.
+B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001): the stress of the contact diffuses, ∂P/∂s = ½ ∂²P/∂σ², where s is its
+variance in full contact, and contact is lost at the detachment stress: P(−σ_a(s), s) = 0. With x = σ + σ_a(s) the
+masses of cells follow a Markov chain between neighbouring centres, at rates whose mean displacement is σ_a' exactly:
+monotone, it conserves area and stress to rounding. L-stable two-stage SDIRK in s has one factorisation for both stages.
 """
 
 from dataclasses import dataclass
@@ -19,8 +15,7 @@ from scipy.special import ndtr
 
 from theory.numerics.tridiagonal import solve
 
-# Alexander's stiffly accurate SDIRK method of order two.
-_GAMMA = 1 - 1 / np.sqrt(2)
+_GAMMA = 1 - 1 / np.sqrt(2)  # Alexander's stiffly accurate SDIRK method of order two
 
 
 @dataclass(frozen=True)
@@ -71,10 +66,9 @@ def diffuse(
 ) -> StressDistribution:
     """Stress distribution of a contact under a pressure, in units where the last variance is about one.
 
-    P starts as δ(σ − p) at a variance of zero; σ_a >= 0 is linear between the rising nodes of the variance. A contact
-    that never comes near the boundary stays whole, and its distribution is the Gaussian of full contact.
+    P starts as δ(σ − p) at a variance of zero; σ_a >= 0 is linear between the rising nodes of the variance.
     """
-    if np.min(pressure + detachment_stress - options.safe_distance * np.sqrt(variance)) > 0:
+    if np.min(pressure + detachment_stress - options.safe_distance * np.sqrt(variance)) > 0:  # full contact
         deviations = np.linspace(-options.reach, options.reach, cells + 1)
         mass = np.diff(ndtr(deviations))
         mass /= mass.sum()
@@ -82,8 +76,7 @@ def diffuse(
         return StressDistribution(np.ones(variance.size), edges, mass / np.diff(edges), 0.0)
     finest = max(options.finest, options.first_deviations * np.sqrt(variance[1]))
     scale = float(np.clip(options.share_of_start * (pressure + detachment_stress[0]), finest, options.coarsest))
-    # A contact cannot lose anything to a boundary farther away than its own deviations reach. There the boundary is
-    # moved closer: no more than a billionth is lost, and the cells stay as narrow as the distribution.
+    # A boundary farther away than the deviations reach is moved closer, and the cells stay narrow: a billionth is lost.
     distance = options.reach * np.sqrt(variance + (options.first_distance * scale / options.reach) ** 2)
     boundary = np.minimum(detachment_stress, np.maximum(distance - pressure, 0.0))
     start = pressure + boundary[0]
@@ -93,21 +86,16 @@ def diffuse(
     mass, contact = np.zeros(cells), np.zeros(variance.size)
     edge_stress = min(pressure, 0.0)
     if start > 0:
-        _split_delta(start, faces, mass)
+        # The two cells around the start share its mass so that the first moment is exact; nearer to the boundary than
+        # the first centre as much is absorbed.
+        centres = 0.5 * (faces[1:] + faces[:-1])
+        right = int(np.searchsorted(centres, start))
+        mass[right] = start / centres[0]
+        if right:
+            mass[right] = (start - centres[right - 1]) / (centres[right] - centres[right - 1])
+            mass[right - 1] = 1 - mass[right]
         edge_stress = _march(variance, boundary, faces, mass, contact)
     return StressDistribution(contact, faces - boundary[-1], mass / np.diff(faces), edge_stress)
-
-
-def _split_delta(start: float, faces: np.ndarray, mass: np.ndarray) -> None:
-    """Unit mass shared by the two cells around ``start`` so that its first moment is exact."""
-    centres = 0.5 * (faces[1:] + faces[:-1])
-    right = int(np.searchsorted(centres, start))
-    if right == 0:
-        # Nearer to the boundary than the first centre: absorb so much of the mass that the moment is right.
-        mass[0] = start / centres[0]
-        return
-    weight = (start - centres[right - 1]) / (centres[right] - centres[right - 1])
-    mass[right - 1], mass[right] = 1 - weight, weight
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
@@ -120,12 +108,8 @@ def _march(variance, detachment_stress, faces, mass, contact):
     distance[0] = 0.5 * width[0]
     for i in range(1, n):
         distance[i] = 0.5 * (width[i] + width[i - 1])
-    forward = np.empty(n + 1)  # rate of mass through face i from cell i-1 into i, and back
-    backward = np.empty(n + 1)
-    inverse = np.empty(n)  # of the pivots, and the factors of elimination and of its way back
-    inward = np.empty(n)
-    outward = np.empty(n)
-    first = np.empty(n)
+    forward, backward = np.empty(n + 1), np.empty(n + 1)  # rate of mass through face i into cell i, and back
+    inverse, inward, outward, first = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     ratio = (1.0 - gamma) / gamma
     total = mass.sum()
     contact[0] = 1.0

@@ -1,8 +1,7 @@
 """Mean separation from the interfacial energy: ū(p) = ∫_p^∞ (dU/dp') dp'/p'.
 
 Yang, Persson, Israelachvili and Rosenberg, EPL 84, 46004 (2008), eq. (6), along the adhered branch from full contact
-downward. Without sticking ū diverges at p = 0 as −ln p; with it dU/dp does not vanish there and the integral diverges,
-too: ū exists for p > 0 only, and :func:`energy_defect` gives that derivative.
+downward. ū exists for p > 0 only: at p = 0 it diverges as −ln p, and with sticking by a dU/dp that does not vanish.
 """
 
 import warnings

@@ -11,9 +11,8 @@ where A*(q) is the true area in contact and U_el(q) the elastic energy stored at
 
     U_el(q) = π ∫_q^q₁ K(q') W(A(q')) C(q') q' dq'.
 
-The paper has a half-space, K = E* q/2: then σ_a² = α E* q γ_eff and U_el = (π/2) E* ∫ q'² W C dq'. Any other solid
-enters by its stiffness K(q) of a wave, and by the stress variance 2π ∫ K² q C dq of full contact. For independent
-springs the crack condition is then exact: the energy σ²/2K of a spring is released.
+The paper has a half-space, K = E* q/2. Any other solid enters by its stiffness K(q) of a wave, and by the stress
+variance 2π ∫ K² q C dq of full contact.
 """
 
 from collections.abc import Callable, Sequence
@@ -50,9 +49,7 @@ class IterationOptions:
 class PerssonOptions:
     """Constants of the numerics."""
 
-    # Share of the nodes that is even in this power of the stress variance; the others are even in ln q. Under light
-    # load contact is lost where the variance is p².
-    early_share: float = 0.4
+    early_share: float = 0.4  # of the nodes even in this power of the stress variance, not in ln q
     early_power: float = 1 / 6
     nearest: float = 1e-14  # smallest distance from the first wavevector of a node, over the spectrum's width
     negligible: float = 1e-9  # stress variance left out: filtered maps have shells down to the rounding
@@ -127,10 +124,9 @@ class PerssonTheory:
             raise ValueError(f"work_of_adhesion = {self.work_of_adhesion!r}: must not be negative, in J/m²")
         for name in ("alpha", "nodes", "cells"):
             positive(name, getattr(self, name), "1")
-        if self.energy_weight not in ENERGY_WEIGHTS:
-            raise ValueError(f"energy_weight = {self.energy_weight!r}: expected one of {', '.join(ENERGY_WEIGHTS)}")
-        if self.true_area not in TRUE_AREAS:
-            raise ValueError(f"true_area = {self.true_area!r}: expected one of {', '.join(TRUE_AREAS)}")
+        for name, known in (("energy_weight", ENERGY_WEIGHTS), ("true_area", TRUE_AREAS)):
+            if getattr(self, name) not in known:
+                raise ValueError(f"{name} = {getattr(self, name)!r}: expected one of {', '.join(known)}")
 
     @cached_property
     def solid(self) -> Elasticity:
@@ -254,9 +250,8 @@ class PerssonTheory:
     ) -> FixedPoint:
         """The σ_a that the distribution under it asks for, from a first one (Pa).
 
-        Under compression there is one state, and Anderson's acceleration finds it. It may fail where γ_eff passes
-        through zero at some magnification. At zero pressure and under tension a detached state exists as well, and the
-        acceleration would change branches: the damped iteration follows the branch of its start.
+        Under compression there is one state, which Anderson's acceleration finds unless γ_eff passes through zero.
+        Without it a detached state exists as well: the damped iteration follows the branch of its start.
         """
         root, scale = self._root, self.stress_scale
         used, spent = stress, 0

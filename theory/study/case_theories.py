@@ -24,8 +24,7 @@ from theory.persson.theory import PerssonTheory
 # Smallest tolerance of σ_a over the full-contact stress, and reach of the edge flow's curve over the highest pressure.
 _FINEST_TOLERANCE, _RESERVE = 1e-11, 1.1
 
-# The last case, its surface and its theories.
-_kept: list[Any] = []
+_kept: list[Any] = []  # the last case, its surface and its theories
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ from theory.study.case_theories import CaseTheories
 
 _UNSOUND_GAP = "the mean gap depends on states at higher pressures that did not converge"
 
-# Wavevectors at which the magnification-resolved quantities are stored.
-_STORED_WAVEVECTORS = 129
+_STORED_WAVEVECTORS = 129  # at which the magnification-resolved quantities are stored
 _RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
 
 # Quantities that no other theory has.
@@ -107,7 +106,6 @@ def _edge_flow_values(case: Case, flow: EdgeFlow, ahead: BackgroundExecutor, sta
         for number, gap in enumerate(gaps)
         if number >= start and gap is not None and not np.isnan(gap)
     }
-
     message = f"adhesion is too strong for the edge flow ({flow.limit}); {REMEDY}"
 
     def values(number: int) -> dict[str, Any]:
