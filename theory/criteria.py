@@ -137,7 +137,6 @@ def _lowest(function: Callable[[np.ndarray], np.ndarray], height: float) -> floa
     """The least value at mean gaps from zero to beyond all heights."""
     gaps = height * np.linspace(0.0, _HIGHEST, 401)
     at = int(np.argmin(function(gaps)))
-    # The grid's lowest lies between its neighbours.
     low, high = gaps[max(at - 1, 0)], gaps[min(at + 1, gaps.size - 1)]
     return float(minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-9 * height}).fun)
 

@@ -105,9 +105,8 @@ def _shortened(
 def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
     """The cost of modulating a wave, compared with a half-space: g = 1 there, 0 where all waves are as stiff.
 
-    A modulation p of a wave q makes waves q + p. In second order 1/(K(q) + c) becomes the mean of 1/(K(|q + p|) + c)
-    over directions, by which K(q) seems to grow. Its growth at p = 2q and c = K(q) is divided by the half-space's;
-    where long waves are the stiffer ones, as on a thin incompressible layer, a modulation is taken to cost nothing.
+    With a modulation p 1/(K(q) + c) becomes the mean of 1/(K(|q + p|) + c) over directions, by which K(q) seems to
+    grow: at p = 2q and c = K(q), over the half-space's growth. Where long waves are stiffer it costs nothing.
     """
     angles = (np.arange(64) + 0.5) * np.pi / 64  # the midpoint rule converges exponentially on a period
     together = np.sqrt(1 + _DEFAULT.modulation**2 + 2 * _DEFAULT.modulation * np.cos(angles))

@@ -132,10 +132,7 @@ class EdgeFlow(PressureCurve):
 
     @property
     def pull_off_pressure(self) -> float:
-        """Lowest pressure of the curve, the end of adhesion under pressure control (Pa).
-
-        NaN where the curve does not reach as far as that: its lowest pressure is at the end of a piece.
-        """
+        """Lowest pressure of the curve, the end of adhesion (Pa); NaN where that is at the end of a piece."""
         lowest = int(np.argmin(self.pressure))
         ends = np.cumsum([len(places) for places in self._places])
         return float("nan") if lowest == 0 or lowest in ends or lowest in ends - 1 else float(self.pressure[lowest])

@@ -224,10 +224,9 @@ class PressureCurve(ABC):
         return float(self.pressure.min())
 
     def gap_at(self, pressure: float) -> float:
-        """Mean gap, from the law's zero, at a pressure (m); NaN where no stable state carries it.
+        """Mean gap, from the law's zero, of the stable state at a pressure (m); NaN if there is none.
 
-        Of several stable states it is the one of the largest gap, which an approaching block meets first, or on an
-        unloading branch of the smallest. ValueError if the nodes do not reach the pressure.
+        Of several it is the largest, on an unloading branch the smallest. ValueError if the nodes do not reach it.
         """
         p, gap = self.pressure, self.mean_gap
         finite("pressure", pressure, "Pa")

@@ -1,8 +1,7 @@
 """Persson's theory without adhesion, where the diffusion with a resting boundary is solved by images.
 
 Area and stress: B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001). Separation: B. N. J. Persson, Phys. Rev. Lett. 99,
-125502 (2007), doi:10.1103/PhysRevLett.99.125502, with the elastic energy's weight of C. Yang et al., EPL 84, 46004
-(2008).
+125502 (2007), with the elastic energy's weight of C. Yang et al., EPL 84, 46004 (2008).
 """
 
 from functools import cache
@@ -42,7 +41,7 @@ def mean_gap(
 
     with the energy dU = π K q C dq of full contact and its stress variance s(q) = 2π ∫_{q_L}^q K² q' C dq'.
     """
-    stress, energy = stress_and_energy_points(spectrum, elasticity_of(elasticity), bands)
+    stress, energy = shared_points(*stress_and_energy(spectrum, elasticity_of(elasticity), bands))
     given = np.atleast_1d(np.asarray(pressure, dtype=float))
     return separation(given, stress, energy, beta).reshape(np.shape(pressure))
 
@@ -53,13 +52,6 @@ def separation(pressure: np.ndarray, stress: np.ndarray, energy: np.ndarray, bet
     return 2 / np.sqrt(np.pi) * ((energy * w) @ _separation_kernel(w[:, None] * pressure, beta))
 
 
-def stress_and_energy_points(
-    spectrum: RoughnessSpectrum, solid: Elasticity, bands: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """√(2s) at Gauss's points of bands (Pa), and the full-contact energy at each (J/m²)."""
-    return shared_points(*_stress_and_energy(spectrum, solid, bands))
-
-
 def shared_points(root: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Gauss's points of bands from √(2s) at their edges (Pa), and their energies (J/m²) shared among these in √s."""
     nodes, weights = _gauss(4)
@@ -68,7 +60,7 @@ def shared_points(root: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.n
     return stress.ravel(), (parts[:, None] * share).ravel()
 
 
-def _stress_and_energy(spectrum: RoughnessSpectrum, solid: Elasticity, bands: int) -> tuple[np.ndarray, np.ndarray]:
+def stress_and_energy(spectrum: RoughnessSpectrum, solid: Elasticity, bands: int) -> tuple[np.ndarray, np.ndarray]:
     """√(2s) at the edges of bands (Pa), and the full-contact energy of each (J/m²)."""
     edges = spectrum.band_edges(bands)
     root = np.sqrt(2 * spectrum.full_contact_stress_variance(solid.stiffness, edges))
@@ -78,8 +70,7 @@ def _stress_and_energy(spectrum: RoughnessSpectrum, solid: Elasticity, bands: in
 def _separation_kernel(x: np.ndarray, beta: float) -> np.ndarray:
     """∫_x^∞ (dy/y) [β + 3(1−β) erf²(y)] e^(−y²); the first part is β E₁(x²)/2."""
     nodes, weights = _gauss(24)
-    # The second integrand is entire in y and below 1e-16 beyond 6.2.
-    upper = np.maximum(6.2, x)
+    upper = np.maximum(6.2, x)  # beyond 6.2 the second integrand, entire in y, is below 1e-16
     smooth = np.zeros_like(x)
     for node, weight in zip(nodes, weights, strict=True):
         y = 0.5 * (x + upper) + 0.5 * (upper - x) * node
@@ -92,9 +83,8 @@ def low_pressure_asymptote(
 ) -> tuple[float, float]:
     """u₀ = (2β/√π) ∫ w dU and p₀ of the light-load limit p = p₀ e^(−ū/u₀) (m, Pa)."""
     solid = elasticity_of(elasticity)
-    root, parts = _stress_and_energy(spectrum, solid, bands)
-    # Mean of w = 1/root over a band whose dU is shared as root d(root).
-    inverse = 2 / (root[1:] + root[:-1])
+    root, parts = stress_and_energy(spectrum, solid, bands)
+    inverse = 2 / (root[1:] + root[:-1])  # mean of w = 1/root over a band whose dU is shared as root d(root)
     decay = float(beta * 2 / np.sqrt(np.pi) * np.sum(parts * inverse))
     light = 1e-12 * solid.contact_modulus  # where the asymptote is exact to rounding
     prefactor = light * np.exp(mean_gap(light, spectrum, solid, beta, bands) / decay)

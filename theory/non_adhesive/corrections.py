@@ -90,7 +90,8 @@ class NonAdhesiveTheory:
     @cached_property
     def _points(self) -> tuple[np.ndarray, np.ndarray]:
         """√V at Gauss's points of fine bands (Pa), and the energy of full contact at each (J/m²)."""
-        stress, energy = closed_forms.stress_and_energy_points(self.spectrum, self.solid, 1000)
+        bands = closed_forms.stress_and_energy(self.spectrum, self.solid, 1000)
+        stress, energy = closed_forms.shared_points(*bands)
         return stress / np.sqrt(2), energy
 
     def at_pressure(self, pressure: float) -> "NonAdhesiveContact":
@@ -183,10 +184,7 @@ class NonAdhesiveContact:
 
 
 class _Curves:
-    """The functions of one correction that all contacts share.
-
-    Below the first node of t contact is full to 1e-22; beyond the last A is below 1e-6 and a power of t.
-    """
+    """The functions of one correction on nodes of t, from full contact to 1e-22 to areas below 1e-6, a power of t."""
 
     def __init__(self, correction: str, gamma: float):
         t = np.geomspace(1e-2, 1e12, 3000)

@@ -37,10 +37,7 @@ class BackgroundTask(Generic[Result]):
 
 
 class BackgroundExecutor:
-    """Threads beside the one that asks, which counts as one of them: alone, it does work when that is asked for.
-
-    Warnings are caught for a whole process: work may not catch them. It may ask for work that asks for none.
-    """
+    """Threads beside the one that asks, which counts as one; work may not catch warnings, which a process shares."""
 
     def __init__(self, threads: int):
         self._alone, self._others = threads < 2, threads - 1

@@ -1,7 +1,4 @@
-"""Compiled tridiagonal elimination from both ends inward, which meet between the rows ``n // 2 - 1`` and ``n // 2``.
-
-Each elimination waits for a division of the one before; the two ends do not wait for each other.
-"""
+"""Compiled tridiagonal elimination from both ends, which do not wait for each other, inward to the rows around n/2."""
 
 from numba import njit
 
@@ -44,7 +41,6 @@ def solve(inverse, inward, outward, values):
         values[i], values[above] = low, high
     if n - middle > middle:
         high = values[middle] + inward[middle + 1] * high
-    # The two rows that are left.
     low, high = low * inverse[middle - 1], high * inverse[middle]
     share = 1.0 / (1.0 - outward[middle - 1] * outward[middle])
     low, high = (low + outward[middle - 1] * high) * share, (high + outward[middle] * low) * share

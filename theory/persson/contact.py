@@ -131,25 +131,19 @@ class PerssonContact:
         return self.distribution.bin_averages(np.asarray(edges) / scale) / scale
 
     def stress_density(self, edges: np.ndarray, wavevector: float) -> np.ndarray:
-        """Mean of P(σ) in bins without the roughness above a wavevector (1/Pa).
-
-        Edges of the bins are in Pa; the wavevector (1/m) is above the first magnification, and up to the last.
-        """
+        """Mean of P(σ) in bins (1/Pa) between edges (Pa), without the roughness above a wavevector (1/m)."""
         theory, scale = self.theory, self.theory.stress_scale
         first, last = theory.wavevectors[[0, -1]]
-        rounding = 1e-9  # of a last wavevector that is a product
-        if not first < finite("wavevector", wavevector, "1/m") <= last * (1 + rounding):
+        if not first < finite("wavevector", wavevector, "1/m") <= last * (1 + 1e-9):  # it may be a product
             raise ValueError(
                 f"wavevector = {wavevector:g} 1/m: the magnifications go from above {first:.6g} to {last:.6g}"
             )
         at = min(wavevector, last)
         end = theory.spectrum.full_contact_stress_variance(theory.solid.stiffness, np.array([at]))[0]
-        # In the scheme σ_a is linear in the variance between two nodes.
         below = theory.stress_variance[theory.wavevectors < at]
         variance = np.append(below[below < end], end) / scale**2
         boundary = np.interp(variance * scale**2, theory.stress_variance, self.detachment_stress)
-        # The cells are graded for a last variance of one.
-        unit = np.sqrt(variance[-1])
+        unit = np.sqrt(variance[-1])  # cells are graded for a last variance of one
         cells, options = theory.cells, theory.options.diffusion
         part = diffuse(self.pressure / scale / unit, variance / unit**2, boundary / scale / unit, cells, options)
         return part.bin_averages(np.asarray(edges) / scale / unit) / scale / unit
@@ -214,8 +208,7 @@ def gap_integral(contacts: Sequence[PerssonContact]) -> Callable[[np.ndarray], n
         inside = start[..., None] + half[..., None] * (1 + points)
         return half * np.sum(weights * spline(inside, 1) * np.exp(-inside), axis=-1)
 
-    # Beyond the last pressure what is left of U is gained at that pressure.
-    rest = (contacts[-1].theory.full_contact_energy - energy[-1]) / pressure[-1]
+    rest = (contacts[-1].theory.full_contact_energy - energy[-1]) / pressure[-1]  # gained at the last pressure
     above = np.concatenate([np.cumsum(between(nodes[:-1], nodes[1:])[::-1])[::-1], [0.0]]) + rest
 
     def gap(x: np.ndarray) -> np.ndarray:

@@ -1,9 +1,4 @@
-"""The theories of a case as a campaign runs them.
-
-``persson`` is Persson's theory as the paper used it, ``gap_flow`` the equilibrium of the gap-flow theory, and
-``gap_flow/loading`` and ``gap_flow/unloading`` are its two metastable branches, with every reachable state between
-them; ``edge_flow`` is the edge flow.
-"""
+"""The theories of a case as a campaign runs them; the branches of the gap flow have groups of their own."""
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
