@@ -1,6 +1,7 @@
 """What tests of the campaign share."""
 
 import shutil
+from contextlib import contextmanager
 
 import pytest
 import tomli_w
@@ -33,36 +34,68 @@ def run(tmp_path, capsys):
     return run_study
 
 
-@pytest.fixture(scope="module")
-def base_dataset(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("base")
-    (folder / "study.toml").write_text(tomli_w.dumps(BASE))
-    assert main(TOY, [str(folder / "study.toml"), "-o", str(folder / "bem.nc"), "--workers", "1"]) == 0
-    return folder / "bem.nc"
+@pytest.fixture(scope="session")
+def built(tmp_path_factory):
+    """The dataset of a study, run once for all tests: none may change it."""
+    known = {}
+
+    def build(table, *arguments, model=TOY, name="bem.nc"):
+        key = (tomli_w.dumps(table), arguments, model, name)
+        if key not in known:
+            folder = tmp_path_factory.mktemp("built")
+            (folder / "study.toml").write_text(key[0])
+            command = [str(folder / "study.toml"), "-o", str(folder / name), "--workers", "1", *arguments]
+            assert main(model, command) in (0, 2)
+            known[key] = folder / name
+        return known[key]
+
+    return build
 
 
 @pytest.fixture
-def finished(base_dataset, tmp_path):
+def finished(built, tmp_path):
     """The dataset of the study, at the output."""
     for name in ("bem.nc", "bem.nc.restart"):
-        shutil.copy(base_dataset.with_name(name), tmp_path)
+        shutil.copy(built(BASE).with_name(name), tmp_path)
 
 
 @pytest.fixture
-def stopped(run, monkeypatch):
-    """Interrupt a run after so many steps."""
+def after_step(monkeypatch):
+    """Do something once so many steps are saved."""
 
-    def stop(table, after, *arguments, **options):
-        save, count = CaseWriter.save_step, []
+    @contextmanager
+    def patched(act, count=1):
+        save, saved = CaseWriter.save_step, []
 
         def counted(file, number, step):
             save(file, number, step)
-            count.append(number)
-            if len(count) == after:
-                raise KeyboardInterrupt
+            saved.append(number)
+            if len(saved) == count:
+                act()
 
         with monkeypatch.context() as patch:
             patch.setattr(CaseWriter, "save_step", counted)
+            yield
+
+    return patched
+
+
+def fail(error):
+    def failing(*_, **__):
+        raise error
+
+    return failing
+
+
+interrupt = fail(KeyboardInterrupt)
+
+
+@pytest.fixture
+def stopped(run, after_step):
+    """Interrupt a run after so many steps."""
+
+    def stop(table, after, *arguments, **options):
+        with after_step(interrupt, after):
             assert run(table, *arguments, **options)[0] == 130
 
     return stop

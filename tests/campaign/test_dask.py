@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
 from functools import partial
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.inputs.errors import InputError
 from tests.campaign.tasks import die, fail, square, wait_for
 from tests.campaign.toy_model import TOY
-from tests.campaign.toy_study import assert_same, steps_on_disk
+from tests.campaign.toy_study import STUDY, assert_same, steps_on_disk
 from tests.commands import main
 
 distributed = pytest.importorskip("distributed")
@@ -29,10 +30,14 @@ pytestmark = pytest.mark.filterwarnings("ignore")
 @pytest.fixture(scope="module")
 def cluster():
     """Two workers, each a process under a nanny."""
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
-    ) as local:
+    with started(2) as local:
         yield local
+
+
+def started(workers, **options):
+    return distributed.LocalCluster(
+        n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=50, **options
+    )
 
 
 def on(cluster, tasks, report=lambda *_: None, workers=4):
@@ -44,11 +49,7 @@ def test_every_task_is_run_once_and_reports_here(cluster):
     on(cluster, [partial(square, number) for number in range(5)], lambda *event: reports.append(event), 2)
     assert sorted(value for number, value in reports if value == number**2) == [0, 1, 4, 9, 16]
     assert len(reports) == 10
-    pids = {pid for number, pid in reports if pid != number**2}
-    assert os.getpid() not in pids
-
-
-def test_errors_are_raised_here(cluster):
+    assert os.getpid() not in {value for _, value in reports}
     with pytest.raises(ValueError, match="broken"):
         on(cluster, [partial(square, 1), fail])
 
@@ -66,22 +67,8 @@ def test_no_more_tasks_at_once_than_asked_for(cluster, tmp_path):
 
 
 def test_tasks_nobody_waits_for_end_themselves(cluster, tmp_path):
-
-    class InterruptedError(Exception):
-        pass
-
-    def interrupt(signum, frame):
-        raise InterruptedError
-
-    def report(_):
-        os.kill(os.getpid(), signal.SIGUSR1)
-
-    previous = signal.signal(signal.SIGUSR1, interrupt)
-    try:
-        with pytest.raises(InterruptedError):
-            on(cluster, [partial(wait_for, tmp_path / "go")], report)
-    finally:
-        signal.signal(signal.SIGUSR1, previous)
+    with pytest.raises(KeyboardInterrupt):
+        on(cluster, [partial(wait_for, tmp_path / "go")], lambda _: signal.raise_signal(signal.SIGINT))
     time.sleep(0.5)  # for the news to reach the worker
     (tmp_path / "go").touch()
     time.sleep(0.5)
@@ -92,25 +79,19 @@ def run(study, output, *arguments):
     return main(TOY, [str(argument) for argument in (study, "-o", output, *arguments)])
 
 
-def test_numbers_are_those_of_one_machine(cluster, study, tmp_path, capsys, monkeypatch):
-    assert run(study, tmp_path / "one.nc", "--workers", 1) == 0
-    capsys.readouterr()
+def test_numbers_are_those_of_one_machine(cluster, study, built, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)  # a relative path is the client's, not the workers'
     assert run("study.toml", "dask.nc", "--engine", "dask", "--scheduler", cluster.scheduler_address) == 0
-    assert_same(tmp_path / "one.nc", tmp_path / "dask.nc")
     lines = [line for line in capsys.readouterr().err.splitlines() if "contact area" in line]
     assert len(lines) == 14
     assert lines[-1].startswith("toy: [14/14] ")
+    assert_same(built(tomllib.loads(STUDY)), tmp_path / "dask.nc")
 
 
 @pytest.mark.validation
-def test_killed_worker_is_replaced_and_its_cases_resume(study, tmp_path, capsys):
-    assert run(study, tmp_path / "whole.nc", "--workers", 1) == 0
-    capsys.readouterr()
+def test_killed_worker_is_replaced_and_its_cases_resume(study, built, tmp_path, capsys):
     killed = []
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50, env={"TOY_SECONDS": "0.5"}
-    ) as local:
+    with started(2, env={"TOY_SECONDS": "0.5"}) as local:
         pids = {name: worker.pid for name, worker in local.workers.items()}
 
         def kill():
@@ -127,14 +108,14 @@ def test_killed_worker_is_replaced_and_its_cases_resume(study, tmp_path, capsys)
         thread.join()
         assert 3 <= killed[0] < 14
         assert local.workers[0].pid != pids[0], "a nanny has replaced it"
-    assert_same(tmp_path / "whole.nc", tmp_path / "killed.nc")
     lines = [line.partition("] ")[2] for line in capsys.readouterr().err.splitlines() if "/14] " in line]
     assert len(lines) == len({line.rpartition(" (")[0] for line in lines}) == 14
+    assert_same(built(tomllib.loads(STUDY)), tmp_path / "killed.nc")
 
 
 @pytest.mark.validation
 def test_a_case_that_kills_its_workers_is_given_up():
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50) as local:
+    with started(1) as local:
         with pytest.raises(CampaignError, match="has lost its worker several times"):
             on(local, [die])
         # A cluster that is closed while it replaces a worker fails by itself.
@@ -165,13 +146,10 @@ def test_events_are_read_and_not_executed(cluster, tmp_path):
 
 @pytest.mark.validation
 def test_a_case_beyond_the_memory_of_a_worker_is_told_by_it(study, tmp_path, capsys):
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50, memory_limit="1 GB"
-    ) as local:
+    with started(1, memory_limit="1 GB") as local:
         where = ("--engine", "dask", "--scheduler", local.scheduler_address)
-        assert (
-            run(study, tmp_path / "bem.nc", "--surface.shape", "[4000, 4000]", "--output.fields", "false", *where) == 1
-        )
+        large = ("--surface.shape", "[4000, 4000]", "--output.fields", "false")
+        assert run(study, tmp_path / "bem.nc", *large, *where) == 1
     said = capsys.readouterr().err.splitlines()[-1]
     host = socket.gethostname()
     assert f"surface.shape = [4000, 4000]: needs at least 1.6 GB of memory, a Dask worker on {host} has 1 GB" in said
@@ -214,23 +192,19 @@ def refused(study, tmp_path, capsys, *arguments):
     return said
 
 
-def test_scheduler_that_does_not_answer(study, tmp_path, capsys, monkeypatch):
+def test_schedulers_that_are_none_and_workers_of_another_version(cluster, study, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("contact_study.campaign.engines.dask._TIMEOUT", "0.5s")
+    monkeypatch.setattr("contact_study.campaign.engines.dask.__version__", "9.9")
     dask = ("--engine", "dask", "--scheduler")
     for address, words in (
         ("tcp://127.0.0.1:9", "--scheduler tcp://127.0.0.1:9: does not answer"),
         ("none.json", "--scheduler none.json: does not answer (no such file"),
         (str(study), "study.toml: is no file of a scheduler"),
+        (cluster.scheduler_address, "this is 9.9"),
     ):
         assert words in refused(study, tmp_path, capsys, *dask, address)
     assert "--engine dask: needs --scheduler ADDRESS" in refused(study, tmp_path, capsys, "--engine", "dask")
     assert "--scheduler x: goes with --engine dask" in refused(study, tmp_path, capsys, "--scheduler", "x")
-
-
-def test_workers_of_another_version_are_refused(cluster, study, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("contact_study.campaign.engines.dask.__version__", "9.9")
-    said = refused(study, tmp_path, capsys, "--engine", "dask", "--scheduler", cluster.scheduler_address)
-    assert "this is 9.9" in said
 
 
 def test_folder_that_is_not_shared_is_said(study, tmp_path, monkeypatch, capsys):
@@ -244,22 +218,17 @@ def test_folder_that_is_not_shared_is_said(study, tmp_path, monkeypatch, capsys)
     assert "a worker has finished steps that are not here" in capsys.readouterr().err
 
 
-def test_without_dask_it_is_said(monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "distributed", None)
-    with pytest.raises(InputError, match=r"pip install '\.\[dask\]'"):
-        engines.check("dask", "tcp://127.0.0.1:8786")
-
-
 @pytest.mark.parametrize(("arguments", "imported"), [((), False), (("--engine", "dask"), True)])
 def test_a_command_imports_dask_only_where_it_is_asked_for(study, tmp_path, arguments, imported):
-    program = (
-        "import sys\n"
-        f"sys.argv = ['toy', {str(study)!r}, '-o', {str(tmp_path / 'bem.nc')!r}, *{arguments!r}]\n"
-        "from tests.campaign.toy_model import main\n"
-        "main()\n"
-        "print(sys.modules.get('dask', 'may be imported') is not None)"
-    )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    program = "import sys; from tests.campaign.toy_model import main; main(); "
+    program += "print(sys.modules.get('dask', 'may be imported') is not None)"
+    command = [sys.executable, "-c", program, str(study), "-o", str(tmp_path / "bem.nc"), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True)
     assert done.stdout.splitlines()[-1:] == [str(imported)], done.stderr
-    assert (tmp_path / "bem.nc").exists() != imported
     assert ("needs --scheduler" in done.stderr) == imported
+
+
+def test_without_dask_it_is_said(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"pip install '\.\[dask\]'"):
+        engines.check("dask", "tcp://127.0.0.1:8786")

@@ -96,13 +96,15 @@ def test_an_output_is_written_kept_and_gone_on_from(tmp_path):
         (STUDY, {"model": "atomistic", "predictor": "none.nc"}, r"^predictor: none\.nc does not exist"),
         (STUDY, {"engine": "dask"}, "^engine dask: needs scheduler ADDRESS"),
         (STUDY, {"resume": True}, "resume: needs an output"),
+        ("study.toml", {"output": "study.toml", "overwrite": True}, "is read by this run"),
         (STUDY, {"output": "a.nc", "resume": True, "overwrite": True}, "resume and overwrite"),
     ],
 )
 def test_mistakes_are_value_errors_that_name_the_culprit(tmp_path, table, arguments, culprit):
+    (tmp_path / "study.toml").write_text(tomli_w.dumps(STUDY))
     with pytest.raises(ValueError, match=culprit):
         run(table, **arguments)
-    assert list(tmp_path.iterdir()) == []
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
 def test_warnings_speak_of_arguments_not_of_options(capfd, monkeypatch):
@@ -177,6 +179,7 @@ def test_a_solid_is_what_its_keys_make(solid, form):
         np.testing.assert_allclose(case.solid.branch_moduli, solid.branch_moduli, rtol=1e-14)
 
 
+LIST = r'{0}\.{1} = \[.*\]: takes one value; .* \[sweep\], "{0}\.{1}" = \[\.\.\.\]'
 LAYER = Layer(90e9, 0.42, 2e-9)
 BY_WAVE = Tabulated(9e9, Grid((2, 2), (1.0, 1.0)), np.ones((2, 2)))
 
@@ -205,32 +208,21 @@ class OwnLaw(LennardJones104):
             },
             r"sweep\.material\.poissons_ratio: elasticity is an object",
         ),
+        ({"surface": {"heights": "map.npy", "size": 1e-8}}, "surface.heights must be an array"),
+        ({"surface": {"heights": np.full((8, 8), np.nan), "size": 1e-8}}, "surface.heights is not finite"),
+        ({"surface": {"heights": np.eye(8)}}, "size"),
+        ({"surface": {"heights": np.eye(8), "size": 1e-8, "kind": "sphere"}}, "surface.kind"),
+        ({"surface": {"heights": np.eye(8), "size": 1e-8, "height_unit": "nm"}}, "surface.height_unit"),
+        ({"surface": {"heights": np.eye(8), "size": 1e-8, "radius": 1e-8}}, "surface.radius"),
+        ({"surface": {**STUDY["surface"], "seed": [1, 2]}}, LIST.format("surface", "seed")),
+        ({"elasticity": {"kind": ["half_space", "layer"]}}, LIST.format("elasticity", "kind")),
+        ({"interaction": {"length": ["3 angstrom", "4 angstrom"]}}, LIST.format("interaction", "length")),
     ],
 )
-def test_objects_that_are_no_part_of_a_study_are_named(sections, message):
+def test_what_is_no_part_of_a_study_is_named(sections, message):
+    unswept = {} if "sweep" in sections else {"sweep": {}}
     with pytest.raises(ValueError, match=message):
-        run(STUDY | sections)
-
-
-@pytest.mark.parametrize(
-    ("section", "key", "values"),
-    [
-        ("surface", "seed", [1, 2]),
-        ("interaction", "length", ["3 angstrom", "4 angstrom"]),
-        ("elasticity", "kind", ["half_space", "layer"]),
-    ],
-)
-def test_a_list_for_a_key_of_one_value_is_told_of_the_sweep(section, key, values):
-    table = changed(**{section: {key: values}}) | {"sweep": {}}
-    words = rf'{section}\.{key} = \[.*\]: takes one value; .* \[sweep\], "{section}\.{key}" = \[\.\.\.\]'
-    with pytest.raises(ValueError, match=words):
-        run(table)
-
-
-def test_inputs_are_not_overwritten(tmp_path):
-    (tmp_path / "study.toml").write_text(tomli_w.dumps(STUDY))
-    with pytest.raises(ValueError, match="is read by this run"):
-        run("study.toml", output="study.toml", overwrite=True)
+        run(STUDY | unswept | sections)
 
 
 def test_what_the_command_warns_of_is_a_warning_here():
@@ -269,20 +261,3 @@ def test_a_height_array_is_a_surface(tmp_path):
     with pytest.raises(ValueError, match=r"heights\.npy has changed"):
         run(own | {"surface": {"heights": 2 * height, "size": (4e-9, 6e-9)}}, output="own.nc", resume=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npy", "own.nc", "own.nc.restart"]
-
-
-@pytest.mark.parametrize(
-    ("surface", "message"),
-    [
-        ({"heights": "map.npy", "size": 1e-8}, "surface.heights must be an array"),
-        ({"heights": np.full((8, 8), np.nan), "size": 1e-8}, "surface.heights is not finite"),
-        ({"heights": np.eye(8)}, "size"),
-        ({"heights": np.eye(8), "size": 1e-8, "kind": "sphere"}, "surface.kind"),
-        ({"heights": np.eye(8), "size": 1e-8, "height_unit": "nm"}, "surface.height_unit"),
-        ({"heights": np.eye(8), "size": 1e-8, "radius": 1e-8}, "surface.radius"),
-    ],
-)
-def test_bad_height_arrays_are_named(surface, message):
-    study = {name: keys for name, keys in STUDY.items() if name not in ("surface", "sweep")}
-    with pytest.raises(ValueError, match=message):
-        run(study | {"surface": surface})

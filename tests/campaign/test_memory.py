@@ -58,20 +58,6 @@ def test_memory_is_that_of_the_job(groups, own, limits, found):
             memory.require(memory.Need(1e9, "surface.shape = [1, 1]", "fewer points"))
 
 
-def test_without_groups_memory_is_the_machine_s(tmp_path, monkeypatch):
-    monkeypatch.setattr(memory, "_OWN_GROUPS", tmp_path / "none")
-    monkeypatch.setattr(memory, "_GROUPS", tmp_path / "none")
-    with pytest.raises(InputError, match=f"needs at least 1e\\+09 GB of memory, {socket.gethostname()} has"):
-        memory.require(memory.Need(1e18, "surface.shape = [1, 1]", "fewer points"))
-
-
-@pytest.fixture
-def study(tmp_path):
-    path = tmp_path / "study.toml"
-    path.write_text(make_study(changed()).toml)
-    return path
-
-
 @pytest.fixture
 def started(tmp_path, monkeypatch):
     def workers_and_threads(table, model, cores, asked):
@@ -118,11 +104,10 @@ def test_a_case_has_the_cores_that_it_keeps_busy(started, cores, busy, asked, ch
     assert started(table, dataclasses.replace(TOY, threads=busy), cores, asked) == chosen
 
 
-def test_more_workers_than_memory_holds_are_refused(study, tmp_path, monkeypatch, capsys):
+def test_more_workers_than_memory_holds_are_refused(run, tmp_path, monkeypatch):
     monkeypatch.setattr(memory, "_memory", lambda: 1.5 * NEED)
-    assert main(TOY, [str(study), "-o", str(tmp_path / "bem.nc"), "--workers", "2"]) == 1
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
+    status, _, said = run(changed(), "--workers", "2")
+    assert (status, said.count("\n")) == (1, 1)
     assert "--workers 2: surface.shape = [16, 16]: needs at least 5.12e-05 GB" in said
     assert said.endswith("use --workers 1\n")
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]

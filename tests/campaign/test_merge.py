@@ -5,36 +5,25 @@ import shutil
 import netCDF4
 import numpy as np
 import pytest
-import tomli_w
 import xarray as xr
 
 from contact_study.campaign import merge as merging
 from contact_study.campaign.dataset.file import States, states_file
 from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.start import contact_merge as merge_main
-from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
-from tests.campaign.toy_study import BASE, assert_same, changed
-from tests.commands import main
+from tests.campaign.conftest import interrupt
+from tests.campaign.toy_model import SOLVED, TOY_ATOMS
+from tests.campaign.toy_study import BASE, LONGER_PATH, WHOLE, assert_same, changed, names
 
-SWEPT = {"sweep": {"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2, 3]}}
-WHOLE = changed(**SWEPT)
+SWEPT = {"sweep": WHOLE["sweep"]}
 UNSWEPT = {section: keys for section, keys in BASE.items() if section != "sweep"}
-
+SEED, RATIO, HURST = "--surface.seed", "--interaction.well_depth_ratio", "--surface.hurst_exponent"
 
 pytestmark = pytest.mark.usefixtures("toy_is_the_continuum")
 
 
-@pytest.fixture
-def run(tmp_path):
-    """Write a dataset of the toy."""
-
-    def run_study(table, output, *arguments, model=TOY):
-        (tmp_path / "study.toml").write_text(tomli_w.dumps(table))
-        status = main(model, [str(tmp_path / "study.toml"), "-o", str(tmp_path / output), "--workers", "1", *arguments])
-        assert status in (0, 2)
-        return tmp_path / output
-
-    return run_study
+def with_sweep(table=UNSWEPT, **keys):
+    return {**table, "sweep": {name.replace("_", ".", 1): values for name, values in keys.items()}}
 
 
 @pytest.fixture
@@ -50,269 +39,238 @@ def merge(tmp_path, capsys):
 
 
 @pytest.fixture(scope="module")
-def parts(tmp_path_factory):
-    """One dataset for each seed, as a job array writes them, and the whole."""
-    folder = tmp_path_factory.mktemp("parts")
-    (folder / "study.toml").write_text(tomli_w.dumps(WHOLE))
-    for name, extra in {"whole": [], **{f"seed{n}": ["--surface.seed", str(n)] for n in (1, 2, 3)}}.items():
-        assert main(TOY, [str(folder / "study.toml"), "-o", str(folder / f"{name}.nc"), "--workers", "1", *extra]) == 0
-    return folder
+def seeds(built):
+    """One dataset for each seed, as a job array writes them."""
+    return [built(WHOLE, SEED, str(number)) for number in (1, 2, 3)]
 
 
-def refused(status, said, *words):
-    assert status == 1
-    assert said.count("\n") == 1, said
-    for word in words:
-        assert word in said, said
-    return True
+@pytest.fixture
+def refused(merge, tmp_path):
+    """Join datasets in vain: one line that has these words, and nothing is written."""
+
+    def refuse(arguments, *words):
+        before = names(tmp_path)
+        status, said = merge(*arguments, output="none.nc")
+        assert (status, said.count("\n")) == (1, 1), said
+        for word in words:
+            assert word in said, said
+        assert names(tmp_path) == before
+
+    return refuse
 
 
-def test_seeds_join_to_what_one_run_writes(parts, merge, tmp_path):
+def test_seeds_join_to_what_one_run_writes(seeds, built, merge, tmp_path):
+    whole = built(WHOLE)
     SOLVED.clear()
-    status, said = merge(parts / "seed3.nc", parts / "seed1.nc", parts / "seed2.nc")
-    assert (status, said) == (0, "")
+    assert merge(seeds[2], seeds[0], seeds[1]) == (0, "")
     assert SOLVED == []
-    assert_same(tmp_path / "all.nc", parts / "whole.nc")
-    with xr.open_datatree(tmp_path / "all.nc") as one, xr.open_datatree(parts / "whole.nc") as two:
-        joined, expected = (States(states_file(path)) for path in (tmp_path / "all.nc", parts / "whole.nc"))
-        for number in range(6):
-            np.testing.assert_array_equal(joined.state(number)["state"], expected.state(number)["state"])
-        for name in ("study_toml", "source", "model", "title", "warnings", "git_commit", "version"):
+    assert_same(tmp_path / "all.nc", whole)
+    joined, expected = (States(states_file(path)) for path in (tmp_path / "all.nc", whole))
+    for number in range(6):
+        np.testing.assert_array_equal(joined.state(number)["state"], expected.state(number)["state"])
+    with xr.open_datatree(tmp_path / "all.nc") as one, xr.open_datatree(whole) as two:
+        for name in ("source", "model", "title", "warnings", "git_commit", "version"):
             assert one.attrs[name] == two.attrs[name], name
-        assert len(one.attrs["history"].splitlines()) == 4
-        assert one.attrs["history"].splitlines()[0].partition(": ")[2].startswith("contact-merge ")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["all.nc", "all.nc.restart"]
+        history = one.attrs["history"].splitlines()
+        assert len(history) == 4
+        assert history[0].partition(": ")[2].startswith("contact-merge ")
+    assert names(tmp_path) == ["all.nc", "all.nc.restart"]
 
 
-def test_warnings_are_those_of_one_run(run, merge, tmp_path):
-    table = changed(sweep={"interaction.well_depth_ratio": [1, 2]}, solver={"max_iterations": 7})
-    files = [run(table, f"{ratio}.nc", "--interaction.well_depth_ratio", ratio) for ratio in ("1", "2")]
-    assert merge(*files)[0] == 0
-    run(table, "whole.nc")
-    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(tmp_path / "whole.nc") as expected:
-        assert joined.attrs["warnings"] == expected.attrs["warnings"] != ""
+WARNING = changed(sweep={"interaction.well_depth_ratio": [1, 2]}, solver={"max_iterations": 7})
+BINS = changed(**SWEPT, output={"pressure_range": None})
+HEIGHTS = {"surface": {"rms_height": None}, "output": {"gap_range": ["0 nm", "4 nm"]}}
+TWO_HEIGHTS = [changed(sweep={"surface.rms_height": two}, **HEIGHTS) for two in (["1 angstrom", 5e-10], [5e-10, 3e-10])]
+FREE = {"study": {"title": "renamed"}, "theory": {"alpha": 2.0}, "solver": {"threads": 1}}
+RENAMED = changed(**SWEPT, surface={"size": "10 nm"}, **FREE)
+
+# The parts, each with its arguments; the study of the whole; what is said.
+JOINED = {
+    "warnings": ([(WARNING, RATIO, "1"), (WARNING, RATIO, "2")], WARNING, ""),
+    "seeds that nobody sweeps": ([(UNSWEPT, SEED, "10"), (UNSWEPT, SEED, "2")], with_sweep(surface_seed=[2, 10]), ""),
+    "one with a sweep": (
+        [(UNSWEPT, SEED, "7"), (with_sweep(surface_seed=[1, 2]),)],
+        with_sweep(surface_seed=[1, 2, 7]),
+        "",
+    ),
+    "other bins": (
+        [(BINS, RATIO, "40"), (BINS, RATIO, "1")],
+        with_sweep(BINS, interaction_well_depth_ratio=[1, 40], surface_seed=[1, 2, 3]),
+        "on other bins",
+    ),
+    "other units": ([(table,) for table in TWO_HEIGHTS], None, ""),
+    "what decides nothing": ([(WHOLE, SEED, "1"), (RENAMED, SEED, "2"), (WHOLE, SEED, "3")], WHOLE, ""),
+    "an overlap": ([(WHOLE, SEED, "1"), (WHOLE, SEED, "1, 2"), (WHOLE, SEED, "3")], WHOLE, ""),
+}
 
 
-def test_joined_study_is_gone_on_from(parts, merge, run, tmp_path):
-    merge(parts / "seed1.nc", parts / "seed2.nc")
-    SOLVED.clear()
-    run(WHOLE, "all.nc", "--resume")
-    assert len(SOLVED) == 6
-    assert_same(tmp_path / "all.nc", parts / "whole.nc")
-    # Its states, too.
-    longer = changed(**SWEPT, loading={"path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]})
-    merge(parts / "seed1.nc", parts / "seed2.nc", parts / "seed3.nc", output="other.nc")
-    SOLVED.clear()
-    run(longer, "other.nc", "--resume")
-    assert {number for _, number in SOLVED} == {3}
-
-
-def test_values_in_other_units_are_one_point(run, merge, tmp_path):
-    output = {"gap_range": ["0 nm", "4 nm"]}
-    files = []
-    for name, heights in (("one.nc", ["1 angstrom", "0.5 nm"]), ("two.nc", ["5 angstrom", "0.3 nm"])):
-        files.append(
-            run(changed(sweep={"surface.rms_height": heights}, surface={"rms_height": None}, output=output), name)
-        )
-    assert merge(*files)[0] == 0
-    with xr.open_dataset(tmp_path / "all.nc") as joined:
-        np.testing.assert_allclose(joined.rms_height, [1e-10, 3e-10, 5e-10], rtol=1e-15)
-        for file in files:
-            with xr.open_dataset(file) as part:
-                at = {"rms_height": part.rms_height.values, "method": "nearest"}
-                np.testing.assert_array_equal(joined.relative_contact_area.sel(**at), part.relative_contact_area)
-
-
-def test_other_bins_are_brought_together(run, merge, tmp_path):
-    table = changed(**SWEPT, output={"pressure_range": None})
-    one = run(table, "one.nc", "--interaction.well_depth_ratio", "1")
-    strong = run(table, "strong.nc", "--interaction.well_depth_ratio", "40")
-    whole = run(table, "whole.nc", "--interaction.well_depth_ratio", "1, 40")
-    status, said = merge(strong, one)
-    assert status == 0
-    assert "on other bins" in said
-    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(whole) as expected:
-        np.testing.assert_array_equal(joined.pressure_bin, expected.pressure_bin)
-        np.testing.assert_array_equal(joined.relative_contact_area, expected.relative_contact_area)
+@pytest.mark.parametrize(("parts", "whole", "words"), JOINED.values(), ids=JOINED)
+def test_joined_is_what_one_run_writes(built, merge, tmp_path, parts, whole, words):
+    files = [built(*part) for part in parts]
+    status, said = merge(*files)
+    assert status == 0, said
+    assert words in said
+    if whole is None:  # no study writes these values so
+        with xr.open_dataset(tmp_path / "all.nc") as joined:
+            np.testing.assert_allclose(joined.rms_height, [1e-10, 3e-10, 5e-10], rtol=1e-15)
+            for file in files:
+                with xr.open_dataset(file) as part:
+                    at = {"rms_height": part.rms_height.values, "method": "nearest"}
+                    np.testing.assert_array_equal(joined.relative_contact_area.sel(**at), part.relative_contact_area)
+        return
+    expected = built(whole)
+    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(expected) as dataset:
+        if not words:
+            assert_same(tmp_path / "all.nc", expected)
+            assert joined.attrs["warnings"] == dataset.attrs["warnings"]
+            return
+        assert words in joined.attrs["warnings"]
+        np.testing.assert_array_equal(joined.pressure_bin, dataset.pressure_bin)
+        np.testing.assert_array_equal(joined.relative_contact_area, dataset.relative_contact_area)
         np.testing.assert_array_equal(joined.well_depth_ratio, [1, 40])
-        assert "on other bins" in joined.attrs["warnings"]
 
 
-def test_samples_that_nobody_sweeps_become_seeds(run, merge, parts, tmp_path):
-    files = [run(UNSWEPT, f"{seed}.nc", "--surface.seed", str(seed)) for seed in (10, 2)]
-    assert merge(*files)[0] == 0
-    whole = run({**UNSWEPT, "sweep": {"surface.seed": [2, 10]}}, "whole.nc")
-    assert_same(tmp_path / "all.nc", whole)
-    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(whole) as expected:
-        assert joined.seed.values.tolist() == [2, 10]
-        assert joined.attrs["study_toml"] == expected.attrs["study_toml"]
+def test_joined_study_is_gone_on_from(seeds, built, merge, run, tmp_path):
+    merge(*seeds[:2])
+    longer = changed(**SWEPT, loading=LONGER_PATH)
+    for table, steps in ((WHOLE, 6), (longer, 6)):
+        assert len(run(table, "--resume", output="all.nc")[1]) == steps
+        assert_same(tmp_path / "all.nc", built(table))
+    merge(*seeds, output="other.nc")
+    assert {number for _, number in run(longer, "--resume", output="other.nc")[1]} == {3}  # its states, too
 
 
-def test_one_with_and_one_without_the_sweep(run, merge, tmp_path):
-    swept = {**UNSWEPT, "sweep": {"surface.seed": [1, 2]}}
-    files = [run(UNSWEPT, "alone.nc", "--surface.seed", "7"), run(swept, "swept.nc")]
-    assert merge(*files)[0] == 0
-    assert_same(tmp_path / "all.nc", run({**UNSWEPT, "sweep": {"surface.seed": [1, 2, 7]}}, "whole.nc"))
-
-
-def test_a_key_that_nobody_sweeps_is_named_or_joined_along(run, merge, tmp_path):
-    files = [run(UNSWEPT, f"{h}.nc", "--surface.hurst_exponent", h) for h in ("0.8", "0.7")]
-    assert refused(
-        *merge(*files),
-        "are of different studies: surface.hurst_exponent is 0.8 in the one and 0.7 in the other",
-        "--along surface.hurst_exponent",
-    )
-    assert not (tmp_path / "all.nc").exists()
+def test_a_key_that_nobody_sweeps_is_named_or_joined_along(built, merge, refused, tmp_path):
+    files = [built(UNSWEPT, HURST, h) for h in ("0.8", "0.7")]
+    words = "are of different studies: surface.hurst_exponent is 0.8 in the one and 0.7 in the other"
+    refused(files, words, "--along surface.hurst_exponent")
+    refused([*files, "--along", "surface.hurst"], "--along surface.hurst: is no key", "surface.hurst_exponent?")
     assert merge(*files, "--along", "surface.hurst_exponent") == (0, "")
-    whole = run({**UNSWEPT, "sweep": {"surface.hurst_exponent": [0.7, 0.8]}}, "whole.nc")
-    assert_same(tmp_path / "all.nc", whole)
-    status, said = merge(*files, "--along", "surface.hurst", output="none.nc")
-    assert refused(status, said, "--along surface.hurst: is no key", "surface.hurst_exponent?")
+    assert_same(tmp_path / "all.nc", built(with_sweep(surface_hurst_exponent=[0.7, 0.8])))
 
 
 DIFFERENT = {
-    "loading.path": {"loading": {"path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]}},
+    "loading.path": {"loading": LONGER_PATH},
     "loading.unload": {"loading": {"unload": True}},
     "output.pressure_bins": {"output": {"pressure_bins": 100}},
 }
 
 
 @pytest.mark.parametrize("key", DIFFERENT)
-def test_different_studies_are_refused_by_key(parts, run, merge, tmp_path, key):
-    other = run(changed(**SWEPT, **DIFFERENT[key]), "other.nc", "--surface.seed", "2")
-    for files in ((parts / "seed1.nc", other), (other, parts / "seed1.nc")):
-        assert refused(*merge(*files), f"{files[0]} and {files[1]} are of different studies: {key} is ")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["other.nc", "other.nc.restart", "study.toml"]
+def test_different_studies_are_refused_by_key(seeds, built, refused, key):
+    other = built(changed(**SWEPT, **DIFFERENT[key]), SEED, "2")
+    for files in ((seeds[0], other), (other, seeds[0])):
+        refused(files, f"{files[0]} and {files[1]} are of different studies: {key} is ")
 
 
-def test_exception_for_points_of_one_part_is_a_difference(parts, run, merge):
+def test_exception_for_points_of_one_part_is_a_difference(seeds, built, refused):
     exception = {"when": {"surface.seed": 2}, "loading.path": ["0.1 GPa", "3 GPa"]}
-    own = run({**WHOLE, "override": [exception]}, "own.nc", "--surface.seed", "2")
-    assert refused(
-        *merge(parts / "seed1.nc", own), "loading.path is [1e+08, 1e+09, 2e+09] in the one and [1e+08, 3e+09]"
-    )
+    own = built({**WHOLE, "override": [exception]}, SEED, "2")
+    refused((seeds[0], own), "loading.path is [1e+08, 1e+09, 2e+09] in the one and [1e+08, 3e+09]")
 
 
-def test_what_decides_nothing_may_differ(parts, run, merge, tmp_path):
-    extra = {"study": {"title": "renamed"}, "theory": {"alpha": 2.0}, "solver": {"threads": 1}}
-    other = run(
-        changed(**SWEPT, surface={"size": "10 nm", "rms_height": 1e-10}, **extra), "o.nc", "--surface.seed", "2"
-    )
-    assert merge(parts / "seed1.nc", other, parts / "seed3.nc") == (0, "")
-    assert_same(tmp_path / "all.nc", parts / "whole.nc")
-
-
-def test_overlap_is_taken_once_where_it_agrees(parts, run, merge, tmp_path):
-    pair = run(WHOLE, "pair.nc", "--surface.seed", "1, 2")
-    status, said = merge(parts / "seed1.nc", pair, parts / "seed3.nc", parts / "seed2.nc")
+def test_what_an_overlap_does_not_need_is_said(seeds, built, merge):
+    status, said = merge(seeds[0], built(WHOLE, SEED, "1, 2"), seeds[2], seeds[1])
     assert status == 0
-    assert said == f"contact-merge: warning: {parts / 'seed2.nc'}: holds nothing that the datasets before it do not\n"
-    assert_same(tmp_path / "all.nc", parts / "whole.nc")
+    assert said == f"contact-merge: warning: {seeds[1]}: holds nothing that the datasets before it do not\n"
 
 
 @pytest.mark.parametrize("name", ["relative_contact_area", "gap", "contact_modulus"])
-def test_overlap_that_disagrees_is_refused(parts, merge, tmp_path, name):
-    shutil.copy(parts / "seed2.nc", tmp_path / "tampered.nc")
+def test_overlap_that_disagrees_is_refused(seeds, refused, tmp_path, name):
+    shutil.copy(seeds[1], tmp_path / "tampered.nc")
     with netCDF4.Dataset(tmp_path / "tampered.nc", "r+") as dataset:
         last = (-1,) * dataset[name].ndim
         dataset[name][last] = dataset[name][last] * (1 + 1e-12)
-    status, said = merge(parts / "seed1.nc", parts / "seed2.nc", tmp_path / "tampered.nc")
-    where = "" if name == "contact_modulus" else ", point 3"
-    ratio = "1.0" if name == "contact_modulus" else "4.0"
-    assert refused(
-        status, said, f"disagree at well_depth_ratio = {ratio}, seed = 2{where}: {name} is ", "leave one of them"
-    )
-    assert [path.name for path in tmp_path.iterdir()] == ["tampered.nc"]
+    where = "1.0, seed = 2" if name == "contact_modulus" else "4.0, seed = 2, point 3"
+    words = f"disagree at well_depth_ratio = {where}: {name} is "
+    refused((*seeds[:2], tmp_path / "tampered.nc"), words, "leave one of them")
 
 
-def test_points_that_no_part_holds_are_named(run, merge):
-    files = [
-        run(WHOLE, f"{seed}{ratio}.nc", "--surface.seed", seed, "--interaction.well_depth_ratio", ratio)
-        for seed, ratio in (("1", "1"), ("2", "4"))
-    ]
-    words = "the joined study lacks 2 of its 4 cases, first well_depth_ratio = 1.0, seed = 2"
-    assert refused(*merge(*files), words)
+def test_output_is_not_lost(seeds, merge, tmp_path):
+    def refused(arguments, words, **output):
+        status, said = merge(*arguments, **output)
+        assert (status, said.count("\n")) == (1, 1)
+        assert words in said
 
-
-def test_output_is_not_lost(parts, merge, tmp_path):
-    files = parts / "seed1.nc", parts / "seed2.nc"
     (tmp_path / "all.nc").write_text("precious")
-    assert refused(*merge(*files), "all.nc exists; use --overwrite")
+    refused(seeds[:2], "all.nc exists; use --overwrite")
     assert (tmp_path / "all.nc").read_text() == "precious"
-    assert merge(*files, "--overwrite") == (0, "")
-    assert refused(*merge(tmp_path / "all.nc", parts / "seed3.nc", "--overwrite"), "is one of the datasets to join")
+    assert merge(*seeds[:2], "--overwrite") == (0, "")
+    refused((tmp_path / "all.nc", seeds[2], "--overwrite"), "is one of the datasets to join")
     # Steps of a run that goes on there are not touched.
     (tmp_path / "new.nc.parts" / "case-1").mkdir(parents=True)
-    assert refused(*merge(*files, output="new.nc"), "holds the steps of an unfinished run")
+    refused(seeds[:2], "holds the steps of an unfinished run", output="new.nc")
     assert (tmp_path / "new.nc.parts" / "case-1").is_dir()
     assert not (tmp_path / "new.nc.parts.lock").exists()
 
 
-def test_interrupted_merge_leaves_nothing(parts, merge, tmp_path, monkeypatch):
-    def interrupt(*_):
-        raise KeyboardInterrupt
-
+def test_interrupted_merge_leaves_nothing(seeds, merge, tmp_path, monkeypatch):
     monkeypatch.setattr(merging, "assemble_cases", interrupt)
-    status, said = merge(parts / "seed1.nc", parts / "seed2.nc")
-    assert (status, said) == (130, "contact-merge: interrupted; nothing was written\n")
+    assert merge(*seeds[:2]) == (130, "contact-merge: interrupted; nothing was written\n")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_merge_killed_after_the_rename_is_finished_by_the_next(parts, merge, tmp_path, monkeypatch):
-    files = parts / "seed1.nc", parts / "seed2.nc"
+def test_a_merge_killed_after_the_rename_is_finished_by_the_next(seeds, merge, tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(WorkDirectory, "_publish_states", lambda _: None)
         patch.setattr(WorkDirectory, "remove", lambda _: None)
         patch.setattr(WorkDirectory, "close", lambda work: work._lock.release())
-        assert merge(*files)[0] == 0
-    assert {"all.nc", "all.nc.parts"} <= {path.name for path in tmp_path.iterdir()}
-    assert refused(*merge(*files), "all.nc exists; use --overwrite")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["all.nc", "all.nc.restart"]
+        assert merge(*seeds[:2])[0] == 0
+    assert {"all.nc", "all.nc.parts"} <= set(names(tmp_path))
+    status, said = merge(*seeds[:2])
+    assert status == 1
+    assert "all.nc exists; use --overwrite" in said
+    assert names(tmp_path) == ["all.nc", "all.nc.restart"]
 
 
-def test_inputs_that_are_none(parts, run, merge, tmp_path):
-    one = parts / "seed1.nc"
-    assert refused(*merge(one), "give at least two datasets")
-    assert refused(*merge(one, one), "is given twice")
-    assert refused(*merge(one, tmp_path / "no.nc"), "does not exist")
+def test_inputs_that_are_none(seeds, built, refused, tmp_path):
+    one = seeds[0]
     (tmp_path / "text.nc").write_text("text")
-    assert refused(*merge(one, tmp_path / "text.nc"), "cannot be read as NetCDF")
     xr.Dataset({"a": 1}).to_netcdf(tmp_path / "foreign.nc")
-    assert refused(*merge(one, tmp_path / "foreign.nc"), "is no dataset of bem-adhesion")
-    atoms = run(WHOLE, "md.nc", "--surface.seed", "2", model=TOY_ATOMS)
-    assert refused(*merge(one, atoms), "cannot be joined: model is continuum in the one and atomistic in the other")
-    with xr.open_dataset(parts / "whole.nc") as dataset:
+    with xr.open_dataset(built(WHOLE)) as dataset:
         dataset.isel(seed=[0, 1]).to_netcdf(tmp_path / "cut.nc")
-    assert refused(*merge(one, tmp_path / "cut.nc"), "cut.nc: does not hold the points of seed that its study sweeps")
+    atoms = built(WHOLE, SEED, "2", model=TOY_ATOMS)
+    corner = [built(WHOLE, SEED, at, RATIO, ratio) for at, ratio in (("1", "1"), ("2", "4"))]
+    for arguments, words in (
+        ([one], "give at least two datasets"),
+        ([one, one], "is given twice"),
+        ([one, tmp_path / "no.nc"], "does not exist"),
+        ([one, tmp_path / "text.nc"], "cannot be read as NetCDF"),
+        ([one, tmp_path / "foreign.nc"], "is no dataset of bem-adhesion"),
+        ([one, atoms], "cannot be joined: model is continuum in the one and atomistic in the other"),
+        ([one, tmp_path / "cut.nc"], "cut.nc: does not hold the points of seed that its study sweeps"),
+        (corner, "the joined study lacks 2 of its 4 cases, first well_depth_ratio = 1.0, seed = 2"),
+    ):
+        refused(arguments, words)
 
 
-def test_predictors_of_the_parts_are_all_named(parts, run, merge, tmp_path):
-    files = []
-    for seed in ("1", "2"):
-        start = tmp_path / f"start{seed}.nc"
-        shutil.copy(parts / f"seed{seed}.nc", start)
-        arguments = ("--surface.seed", seed, "--predictor", str(start))
-        files.append(run(WHOLE, f"md{seed}.nc", *arguments, model=TOY_ATOMS))
-    assert merge(*files)[0] == 0
+def test_predictors_of_the_parts_are_all_named(seeds, run, merge, refused, tmp_path):
+    for at, seed in enumerate(seeds[:2]):
+        shutil.copy(seed, tmp_path / f"start{at}.nc")
+        start = ("--predictor", str(tmp_path / f"start{at}.nc"))
+        run(WHOLE, SEED, f"{at + 1}", *start, output=f"md{at}.nc", model=TOY_ATOMS)
+    assert merge(tmp_path / "md0.nc", tmp_path / "md1.nc")[0] == 0
     with xr.open_dataset(tmp_path / "all.nc") as dataset:
-        assert [line.split()[0] for line in dataset.attrs["predictor"].splitlines()] == ["start1.nc", "start2.nc"]
-    without = run(WHOLE, "without.nc", "--surface.seed", "3", model=TOY_ATOMS)
-    assert refused(*merge(files[0], without, output="none.nc"), "one was run with --predictor, one without")
+        assert [line.split()[0] for line in dataset.attrs["predictor"].splitlines()] == ["start0.nc", "start1.nc"]
+    run(WHOLE, SEED, "3", output="without.nc", model=TOY_ATOMS)
+    refused((tmp_path / "md0.nc", tmp_path / "without.nc"), "one was run with --predictor, one without")
 
 
-def test_height_maps_need_not_be_at_hand(run, merge, tmp_path):
+def test_height_maps_need_not_be_at_hand(run, merge, refused, tmp_path):
     heights = np.random.default_rng(1).standard_normal((16, 16))
     np.save(tmp_path / "map.npy", heights)
     surface = {"kind": "file", "path": "map.npy", "height_unit": "angstrom", "rms_height": None, "cutoff_mode": None}
-    table = changed(surface=surface, output={"pressure_range": ["-40 GPa", "100 GPa"], "gap_range": ["0 nm", "4 nm"]})
-    files = [run(table, f"{ratio}.nc", "--interaction.well_depth_ratio", str(ratio)) for ratio in (1, 4)]
-    whole = run(table, "whole.nc")
+    table = changed(surface=surface, output={"gap_range": ["0 nm", "4 nm"]})
+    files = [tmp_path / name for name in ("1.nc", "4.nc", "2.nc")]
+    run(table, output="whole.nc")
+    for file in files[:2]:
+        run(table, RATIO, file.stem, output=file.name)
     (tmp_path / "map.npy").unlink()
-    assert merge(*files) == (0, "")
-    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(whole) as expected:
+    assert merge(*files[:2]) == (0, "")
+    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(tmp_path / "whole.nc") as expected:
         np.testing.assert_array_equal(joined.gap, expected.gap)
         np.testing.assert_allclose(joined.pressure_bin, expected.pressure_bin, rtol=1e-12)
         assert joined.attrs["height_maps"] == expected.attrs["height_maps"]
     np.save(tmp_path / "map.npy", 2 * heights)
-    other = run(table, "other.nc", "--interaction.well_depth_ratio", "2")
-    assert refused(*merge(files[0], other, output="none.nc"), "the height map map.npy had another content")
+    run(table, RATIO, "2", output="2.nc")
+    refused((files[0], files[2]), "the height map map.npy had another content")

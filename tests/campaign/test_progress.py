@@ -112,28 +112,16 @@ fields = true
 
 
 def test_tension_on_separated_surfaces_says_so(tmp_path, capsys):
-    study = tmp_path / "study.toml"
-    study.write_text(
-        """
-        [surface]
-        kind = "wavy"
-        size = "10 nm"
-        shape = [32, 32]
-        amplitude = "1 angstrom"
-        modes = [1, 1]
-        [material]
-        youngs_modulus = "77.2 GPa"
-        poissons_ratio = 0.42
-        [interaction]
-        law = "lennard_jones_10_4"
-        work_of_adhesion = "0.1 J/m^2"
-        length = "3.28 angstrom"
-        [loading]
-        path = ["-1 MPa", "1 MPa"]
-        """
-    )
-    assert start.bem_adhesion([str(study), "-o", str(tmp_path / "out.nc")]) == 0
+    (tmp_path / "study.toml").write_text(STUDY.replace('["1 GPa"]', '["-1 MPa", "1 MPa"]'))
+    assert start.bem_adhesion([str(tmp_path / "study.toml"), "-o", str(tmp_path / "out.nc")]) == 0
     lines = capsys.readouterr().err
     words = "the surfaces are separated; start the loading path with a positive pressure"
     assert f"[1/2] -1 MPa, detached: {words}" in lines
     assert "[2/2] 1 MPa, contact area" in lines
+
+
+def test_what_takes_its_time_shows_how_far_it_is(monkeypatch, capsys):
+    for silence, lines in ((0.0, [f"toy: cases taken: {number} of 3" for number in range(3)]), (60.0, [])):
+        monkeypatch.setattr(module, "_SILENCE", silence)
+        assert list(Progress("toy").through(range(3), "cases taken")) == [0, 1, 2]
+        assert capsys.readouterr().err.splitlines() == lines

@@ -1,214 +1,176 @@
 """Going on from earlier runs: what stands is kept, what is missing is computed, what differs is named."""
 
 import hashlib
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.campaign.store import records
-from contact_study.campaign.store.case_file import CaseWriter
-from tests.campaign.toy_model import TOY_ATOMS, TOY_OF_WHOLE_PATHS
-from tests.campaign.toy_study import BASE, assert_same, changed
+from tests.campaign.toy_model import TOY, TOY_ATOMS, TOY_OF_WHOLE_PATHS
+from tests.campaign.toy_study import BASE, LONGER, LONGER_PATH, MORE, assert_same, changed, names
 
-WIDER = {
-    "a seed more": {"sweep": {"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2]}},
-    "another order": {"sweep": {"surface.seed": [3, 1], "interaction.well_depth_ratio": [4, 1]}},
-    "what decides no number": {
-        "study": {"title": "renamed"},
-        "surface": {"size": "10 nm", "rms_height": 1e-10},
-        "theory": {"alpha": 2.0},
-        "atomistic": {"cutoff": 5.0},
-        "solver": {"threads": 1},
-    },
-    "points at the end": {"loading": {"path": ["0.1 GPa", "1 GPa", "2 GPa", "1.5 GPa", "0.2 GPa"]}},
-    "the way back": {"loading": {"unload": True}},
+NO_STATES = {"output": {"restart": False}}
+MORE_AND_LONGER = changed(sweep=MORE["sweep"], loading=LONGER_PATH)
+ORDER = {"sweep": {"surface.seed": [3, 1], "interaction.well_depth_ratio": [4, 1]}}
+BACK, COARSE = {"loading": {"unload": True}}, {"output": {"pressure_bins": 600}}
+FURTHER = {"loading": {"unload": True, **LONGER_PATH}}
+RATIO = "interaction.well_depth_ratio"
+FREE = {
+    "study": {"title": "renamed"},
+    "surface": {"size": "10 nm", "rms_height": 1e-10},
+    "theory": {"alpha": 2.0},
+    "atomistic": {"cutoff": 5.0},
+    "solver": {"threads": 1},
 }
-FILES = ["bem.nc", "bem.nc.restart", "fresh.nc", "fresh.nc.restart", "study.toml"]
-SOLVED_OF = {"a seed more": 6, "another order": 6, "points at the end": 4, "the way back": 4}
+TURNED, FINER = "unloading starts from another point", "coarser than those asked for now"
+LOST = "output.restart = false), or its file bem.nc.restart is missing, of another dataset or damaged"
+EXCEPTION = {"when": {RATIO: 4}, "loading.path": LONGER_PATH["path"]}
+
+# The first study, the steps after which it was stopped (0: never), the next one, the steps then solved, why all anew.
+RESUMED = {
+    "a seed more": ({}, 0, {"sweep": {RATIO: [1, 4], "surface.seed": [1, 2]}}, 6, ""),
+    "another order": ({}, 0, ORDER, 6, ""),
+    "what decides no number": ({}, 0, FREE, 0, ""),
+    "points at the end": ({}, 0, {"loading": {"path": [*LONGER_PATH["path"], "0.2 GPa"]}}, 4, ""),
+    "the way back": ({}, 0, BACK, 4, ""),
+    "points of the sweep need no state": (NO_STATES, 0, {**NO_STATES, "sweep": {RATIO: [1, 4, 2]}}, 3, ""),
+    "fields": ({"output": {"fields": False}}, 0, {}, 6, "the earlier run did not keep its fields"),
+    "no state": (NO_STATES, 0, {"loading": LONGER_PATH}, 8, LOST),
+    "another turn": (BACK, 0, FURTHER, 14, TURNED),
+    "finer bins": ({}, 0, COARSE, 6, FINER),
+    "another order, unfinished": ({}, 4, ORDER, 8, ""),
+    "the way back, unfinished": ({}, 4, BACK, 6, ""),
+    "another turn, unfinished": (BACK, 4, FURTHER, 11, ""),  # the state before the turn is still there
+    "finer bins, unfinished": ({}, 4, COARSE, 6, ""),
+}
 
 
-@pytest.mark.parametrize("words", WIDER)
-def test_finished_study_is_widened_to_what_a_fresh_run_gives(finished, run, tmp_path, words):
-    wider = changed(**WIDER[words])
-    status, solved, said = run(wider, "--resume")
+@pytest.mark.parametrize(("first", "after", "then", "steps", "anew"), RESUMED.values(), ids=RESUMED)
+def test_what_is_gone_on_from_is_what_a_fresh_run_gives(run, built, stopped, tmp_path, first, after, then, steps, anew):
+    fresh = built(changed(**then))
+    if after:
+        stopped(changed(**first), after)
+    else:
+        run(changed(**first))
+    status, solved, said = run(changed(**then), "--resume")
     assert status == 0, said
-    assert len(solved) == len(set(solved)) == SOLVED_OF.get(words, 0)
-    assert "again" not in said
-    assert run(wider, output="fresh.nc")[0] == 0
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
-    with xr.open_dataset(tmp_path / "bem.nc") as one, xr.open_dataset(tmp_path / "fresh.nc") as two:
-        assert one.attrs["study_toml"] == two.attrs["study_toml"]
-        assert one.attrs["title"] == wider["study"]["title"]
-        assert one.attrs["history"].count("toy") > two.attrs["history"].count("toy") / 2
-        assert len(one.attrs["history"].splitlines()) == 2
-    assert sorted(path.name for path in tmp_path.iterdir()) == FILES
+    assert len(solved) == len(set(solved)) == steps
+    assert after or said.count("computed again: ") == (2 if anew else 0)
+    assert anew in said
+    assert not anew or "warning: well_depth_ratio = 1.0: computed again: " in said
+    assert_same(tmp_path / "bem.nc", fresh)
+    with xr.open_dataset(tmp_path / "bem.nc") as dataset:
+        assert dataset.attrs["title"] == changed(**then)["study"]["title"]
+        assert len(dataset.attrs["history"].splitlines()) == (1 if after else 2)
+    assert names(tmp_path) == names(fresh.parent)
     before = (tmp_path / "bem.nc").stat().st_mtime_ns
-    assert run(wider, "--resume")[:2] == (0, [])
+    assert run(changed(**then), "--resume")[:2] == (0, [])
     assert (tmp_path / "bem.nc").stat().st_mtime_ns == before
 
 
-def test_widening_goes_on_widening(run, tmp_path):
-    run(changed(loading={"path": ["0.1 GPa"]}))
-    run(changed(loading={"path": ["0.1 GPa"]}, study={"title": "t"}), "--resume")
-    run(changed(loading={"path": ["0.1 GPa", "1 GPa"]}), "--resume")
-    _, solved, _ = run(BASE, "--resume")
-    assert solved == [("well_depth_ratio = 1.0", 2), ("well_depth_ratio = 4.0", 2)]
-    run(BASE, output="fresh.nc")
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
-
-
-def test_exceptions_of_some_points_are_lengthened(finished, run, tmp_path):
-    exception = {"when": {"interaction.well_depth_ratio": 4}, "loading.path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]}
-    _, solved, _ = run({**BASE, "override": [exception]}, "--resume")
+def test_widening_goes_on_widening(run, built, tmp_path):
+    exception = {**BASE, "override": [EXCEPTION]}
+    for length in (1, 2, 3):
+        run(changed(loading={"path": LONGER_PATH["path"][:length]}), "--resume")
+    _, solved, _ = run(exception, "--resume")
     assert solved == [("well_depth_ratio = 4.0", 3)]
-    run({**BASE, "override": [exception]}, output="fresh.nc")
-    with xr.open_dataset(tmp_path / "bem.nc") as one, xr.open_dataset(tmp_path / "fresh.nc") as two:
-        np.testing.assert_array_equal(one.relative_contact_area, two.relative_contact_area)
-
-
-ANEW = {
-    "fields": ({"output": {"fields": False}}, {}, 6, "the earlier run did not keep its fields"),
-    "no state": (
-        {"output": {"restart": False}},
-        {"loading": {"path": ["0.1 GPa", "1 GPa", "2 GPa", "1.5 GPa"]}},
-        8,
-        "output.restart = false), or its file bem.nc.restart is missing, of another dataset or damaged",
-    ),
-    "another turn": (
-        {"loading": {"unload": True}},
-        {"loading": {"unload": True, "path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]}},
-        14,
-        "unloading starts from another point",
-    ),
-    "finer bins": ({}, {"output": {"pressure_bins": 600}}, 6, "coarser than those asked for now"),
-}
-
-
-@pytest.mark.parametrize("why", ANEW)
-def test_what_must_be_computed_anew_is(run, tmp_path, why):
-    first, then, steps, words = ANEW[why]
-    run(changed(**first))
-    status, solved, said = run(changed(**then), "--resume")
-    assert status == 0, said
-    assert len(solved) == steps
-    assert said.count("computed again: ") == 2
-    assert "warning: well_depth_ratio = 1.0: computed again: " in said
-    assert words in said
-    run(changed(**then), output="fresh.nc")
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
-
-
-def test_states_that_are_not_asked_for_are_not_kept(run, tmp_path):
-    run(changed(output={"restart": False}))
-    run(BASE, output="kept.nc")
-    assert not (tmp_path / "bem.nc.restart").exists()
-    assert (tmp_path / "kept.nc.restart").exists()
-    # Points of the sweep need no state.
-    wider = changed(output={"restart": False}, sweep={"interaction.well_depth_ratio": [1, 4, 2]})
-    assert len(run(wider, "--resume")[1]) == 3
+    assert_same(tmp_path / "bem.nc", built(exception))
 
 
 def test_steps_that_follow_from_the_whole_path(run):
     model = {"model": TOY_OF_WHOLE_PATHS}
     run(BASE, **model)
-    wider = changed(sweep={"interaction.well_depth_ratio": [1, 4, 2]})
-    assert len(run(wider, "--resume", **model)[1]) == 3
-    longer = changed(loading={"path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]}, **{"sweep": wider["sweep"]})
-    _, solved, said = run(longer, "--resume", **model)
+    assert len(run(MORE, "--resume", **model)[1]) == 3
+    _, solved, said = run(MORE_AND_LONGER, "--resume", **model)
     assert len(solved) == 12
     assert "share quantities of the whole path" in said
 
 
-def test_another_study_is_refused(finished, run, tmp_path):
-    before = (tmp_path / "bem.nc").read_bytes()
-    status, solved, said = run(changed(surface={"hurst_exponent": 0.7}), "--resume")
-    assert (status, solved) == (1, [])
-    assert "belongs to another study" in said
-    assert "surface.hurst_exponent is 0.8 there and 0.7 here" in said
-    assert said.count("\n") == 1
-    assert (tmp_path / "bem.nc").read_bytes() == before
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["bem.nc", "bem.nc.restart", "study.toml"]
-    status, _, said = run(BASE, "--resume", model=TOY_ATOMS)
-    assert status == 1
-    assert "model is continuum there and atomistic here" in said
+@pytest.mark.parametrize("after", [0, 4])
+def test_another_study_is_refused(run, stopped, tmp_path, after):
+    if after:
+        stopped(BASE, after)
+    else:
+        run(BASE)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
+    fault = "bem.nc.parts holds the steps of another study or version" if after else "belongs to another study"
+    for table, model, words in (
+        (changed(surface={"hurst_exponent": 0.7}), TOY, "surface.hurst_exponent is 0.8 there and 0.7 here"),
+        (BASE, TOY_ATOMS, "model is continuum there and atomistic here"),
+    ):
+        status, solved, said = run(table, "--resume", model=model)
+        assert (status, solved, said.count("\n")) == (1, [], 1)
+        assert fault in said
+        assert words in said
+    del before[tmp_path / "study.toml"]
+    assert {path: path.read_bytes() for path in before} == before
+    assert len([path for path in tmp_path.rglob("*.*") if path.is_file()]) == len(before) + 1
 
 
-@pytest.mark.parametrize("words", ["another order", "the way back"])
-def test_unfinished_study_is_widened(run, stopped, tmp_path, words):
-    wider = changed(**WIDER[words])
-    stopped(BASE, 4)
-    status, solved, said = run(wider, "--resume")
+def killed_at(patch, owner, name, count, suffix=""):
+    """Interrupt at so many calls, those whose first argument is a path that ends so."""
+    call, calls = getattr(owner, name), []
+
+    def killed(*arguments, **options):
+        if not suffix or str(arguments[0]).endswith(suffix):
+            calls.append(name)
+            if len(calls) == count:
+                raise KeyboardInterrupt
+        return call(*arguments, **options)
+
+    patch.setattr(owner, name, killed)
+
+
+def work(name, count=1):
+    return WorkDirectory, name, count
+
+
+# Where a run is killed, of which study, which one goes on, and the most steps it solves then.
+KILLED = {
+    "states not moved": (work("_publish_states", 2), BASE, BASE, 0),
+    "states not moved, longer": (work("_publish_states", 2), BASE, LONGER, 2),
+    "folder not removed": (work("remove"), BASE, LONGER, 2),
+    "lock not removed": (work("close"), BASE, BASE, 0),
+    "folder half removed": ((Path, "unlink", 2, ".case"), BASE, BASE, 0),
+    "cases not all brought": ((records, "append", 6), MORE_AND_LONGER, MORE_AND_LONGER, 6),
+    "widened in part": ((records, "append", 23), MORE_AND_LONGER, MORE_AND_LONGER, 6),
+    "zarr not renamed": ((Path, "rename", 1, "dataset.zarr"), MORE, MORE, 0),
+}
+
+
+@pytest.mark.parametrize(("where", "table", "then", "most"), KILLED.values(), ids=KILLED)
+def test_a_kill_leaves_nothing_for_good(run, built, tmp_path, monkeypatch, where, table, then, most):
+    output, fresh = "bem.nc", built(then)
+    if table is MORE:
+        pytest.importorskip("zarr")
+        output = "bem.zarr"
+    before = b""
+    if table is not BASE:
+        run(BASE, output=output)
+        before = (tmp_path / output).read_bytes() if output == "bem.nc" else b""
+    with monkeypatch.context() as patch:
+        killed_at(patch, *where)
+        assert run(table, "--resume", output=output)[0] == 130
+    assert not before or (tmp_path / output).read_bytes() == before, "it stands until its successor does"
+    if where[1] != "close":  # a kill closes nothing
+        (tmp_path / f"{output}.parts.lock").touch()
+    status, solved, said = run(then, "--resume", output=output)
     assert status == 0, said
-    run(wider, output="fresh.nc")
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
-    assert len(solved) == SOLVED_OF.get(words, 0) + 2
+    assert len(solved) <= most
+    assert "left alone" not in said
+    assert_same(tmp_path / output, fresh)
+    assert names(tmp_path) == [output, f"{output}.restart"]
 
 
-@pytest.mark.parametrize("why", ["another turn", "finer bins"])
-def test_what_must_be_computed_anew_of_an_unfinished_study(run, stopped, tmp_path, why):
-    first, then, steps, _ = ANEW[why]
-    stopped(changed(**first), 4)
-    status, solved, said = run(changed(**then), "--resume")
-    assert status == 0, said
-    # The state before an unloading that began elsewhere may still be there.
-    assert len(solved) == (steps - 3 if why == "another turn" else steps)
-    run(changed(**then), output="fresh.nc")
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
-
-
-def test_unfinished_study_says_what_differs(run, stopped, tmp_path):
-    stopped(BASE, 4)
-    before = sorted(tmp_path.rglob("*"))
-    status, _, said = run(changed(surface={"hurst_exponent": 0.7}), "--resume")
-    assert status == 1
-    assert "bem.nc.parts holds the steps of another study or version" in said
-    assert "surface.hurst_exponent is 0.8 there and 0.7 here" in said
-    assert sorted(tmp_path.rglob("*")) == before
-
-
-@pytest.mark.parametrize("writes", [6, 23])
-def test_widening_that_is_killed_is_taken_up_again(finished, run, tmp_path, monkeypatch, writes):
-    wider = changed(
-        sweep={"interaction.well_depth_ratio": [1, 4, 2]}, loading={"path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]}
-    )
-    run(wider, output="fresh.nc")
-    count = []
-    append = records.append
-
-    def counted(*arguments):
-        count.append(1)
-        if len(count) == writes:
-            raise KeyboardInterrupt
-        return append(*arguments)
-
-    monkeypatch.setattr(records, "append", counted)
-    assert run(wider, "--resume")[0] == 130
-    monkeypatch.undo()
-    with xr.open_dataset(tmp_path / "bem.nc") as dataset:
-        assert dataset.sizes["well_depth_ratio"] == 2  # the finished dataset stands until its successor does
-    status, solved, _ = run(wider, "--resume")
-    assert status == 0
-    assert len(solved) <= 6
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
-    assert sorted(path.name for path in tmp_path.iterdir()) == FILES
-
-
-def test_steps_of_a_wider_run_are_not_dropped(finished, run):
-    with pytest.MonkeyPatch.context() as patch:
-        save = CaseWriter.save_step
-
-        def stop(*arguments):
-            save(*arguments)
-            raise KeyboardInterrupt
-
-        patch.setattr(CaseWriter, "save_step", stop)
-        wider = changed(sweep={"interaction.well_depth_ratio": [1, 4, 2]})
-        assert run(wider, "--resume")[0] == 130
+def test_steps_of_a_wider_run_are_not_dropped(finished, run, stopped):
+    stopped(MORE, 1, "--resume")
     status, solved, said = run(BASE, "--resume")
     assert (status, solved) == (0, [])
     assert "holds steps of another run, which are left alone" in said
-    assert len(run(wider, "--resume")[1]) == 2
+    assert len(run(MORE, "--resume")[1]) == 2
 
 
 def test_wider_bins_take_the_finished_distributions(run, tmp_path):
@@ -216,8 +178,7 @@ def test_wider_bins_take_the_finished_distributions(run, tmp_path):
     run(changed(output=output))
     with xr.open_dataset(tmp_path / "bem.nc") as dataset:
         before = dataset.pressure_pdf.load()
-    wider = changed(sweep={"interaction.well_depth_ratio": [1, 4, 40]}, output=output)
-    _, solved, said = run(wider, "--resume")
+    _, solved, said = run(changed(sweep={RATIO: [1, 4, 40]}, output=output), "--resume")
     assert len(solved) == 3
     assert "the distributions of 6 steps finished before were on other bins" in said
     with xr.open_dataset(tmp_path / "bem.nc") as dataset:
@@ -234,9 +195,8 @@ def test_wider_bins_take_the_finished_distributions(run, tmp_path):
 
 
 def test_warnings_of_finished_steps_are_carried_on(run, tmp_path):
-    table = changed(sweep={"interaction.well_depth_ratio": [2]}, solver={"max_iterations": 7})
-    run(table)
-    _, _, said = run(changed(sweep={"interaction.well_depth_ratio": [2, 1]}, solver={"max_iterations": 7}), "--resume")
+    run(changed(sweep={RATIO: [2]}, solver={"max_iterations": 7}))
+    _, _, said = run(changed(sweep={RATIO: [2, 1]}, solver={"max_iterations": 7}), "--resume")
     assert said.count("a toy is no model") == 1
     with xr.open_dataset(tmp_path / "bem.nc") as dataset:
         lines = dataset.attrs["warnings"].splitlines()
@@ -244,64 +204,58 @@ def test_warnings_of_finished_steps_are_carried_on(run, tmp_path):
 
 
 @pytest.fixture
-def map_study(tmp_path):
-    np.save(tmp_path / "map.npy", np.random.default_rng(1).standard_normal((16, 16)))
-    return changed(
-        surface={"kind": "file", "path": "map.npy", "height_unit": "angstrom", "rms_height": None, "cutoff_mode": None}
-    )
+def new_map(tmp_path):
+    def write(seed):
+        np.save(tmp_path / "map.npy", np.random.default_rng(seed).standard_normal((16, 16)))
+
+    write(1)
+    return write
 
 
-def test_height_map_is_told_by_its_content(run, tmp_path, map_study):
-    run(map_study)
+MAP = {"kind": "file", "path": "map.npy", "height_unit": "angstrom", "rms_height": None, "cutoff_mode": None}
+
+
+def test_height_map_is_told_by_its_content(run, tmp_path, new_map):
+    run(changed(surface=MAP))
     content = hashlib.sha256((tmp_path / "map.npy").read_bytes()).hexdigest()
-    with xr.open_dataset(tmp_path / "bem.nc") as dataset:
-        assert dataset.attrs["height_maps"] == f"sha256:{content} map.npy"
     (tmp_path / "map.npy").rename(tmp_path / "moved.npy")
-    map_study["surface"]["path"] = "moved.npy"  # the same content at another place
-    assert run(map_study, "--resume")[:2] == (0, [])
+    assert run(changed(surface={**MAP, "path": "moved.npy"}), "--resume")[:2] == (0, [])
     with xr.open_dataset(tmp_path / "bem.nc") as dataset:
         assert dataset.attrs["height_maps"] == f"sha256:{content} moved.npy"
 
 
 @pytest.mark.parametrize("whole", [True, False])
-def test_changed_height_map_is_refused(run, stopped, tmp_path, map_study, whole):
+def test_changed_height_map_is_refused(run, stopped, tmp_path, new_map, whole):
+    table = changed(surface=MAP)
     if whole:
-        run(map_study)
+        run(table)
     else:
-        stopped(map_study, 4)
-    np.save(tmp_path / "map.npy", np.random.default_rng(2).standard_normal((16, 16)))
+        stopped(table, 4)
+    new_map(2)
     before = sorted(tmp_path.rglob("*"))
-    status, solved, said = run(map_study, "--resume")
-    assert (status, solved) == (1, [])
+    status, solved, said = run(table, "--resume")
+    assert (status, solved, said.count("\n")) == (1, [], 1)
     assert ": the height map map.npy has changed since it was started (SHA-256 " in said
     assert "another study" not in said
-    assert said.count("\n") == 1
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_height_map_that_changes_while_the_study_runs(run, tmp_path, map_study, monkeypatch):
-    save = CaseWriter.save_step
-
-    def change(*arguments):
-        save(*arguments)
-        np.save(tmp_path / "map.npy", np.random.default_rng(2).standard_normal((16, 16)))
-
-    monkeypatch.setattr(CaseWriter, "save_step", change)
-    status, solved, said = run(map_study)
+def test_height_map_that_changes_while_the_study_runs(run, new_map, after_step):
+    with after_step(lambda: new_map(2)):
+        status, solved, said = run(changed(surface=MAP))
     assert status == 1
     assert "map.npy has changed while the study ran; 3 of 6 steps are finished and kept, --resume continues" in said
     assert {label for label, _ in solved} == {"well_depth_ratio = 1.0"}
 
 
 def test_predictor_is_widened_with_its_study(finished, run, tmp_path):
+    atoms = {"output": "md.nc", "model": TOY_ATOMS}
     start = ("--predictor", str(tmp_path / "bem.nc"))
-    assert run(BASE, *start, output="md.nc", model=TOY_ATOMS)[0] == 0
-    wider = changed(sweep={"interaction.well_depth_ratio": [1, 4, 2]})
-    run(wider, "--resume")
-    status, solved, said = run(wider, *start, "--resume", output="md.nc", model=TOY_ATOMS)
-    assert status == 0, said
-    assert len(solved) == 3
-    run(wider, *start, output="fresh.nc", model=TOY_ATOMS)
+    assert run(BASE, *start, **atoms)[0] == 0
+    run(MORE, "--resume")
+    status, solved, said = run(MORE, *start, "--resume", **atoms)
+    assert (status, len(solved)) == (0, 3), said
+    run(MORE, *start, output="fresh.nc", model=TOY_ATOMS)
     assert_same(tmp_path / "md.nc", tmp_path / "fresh.nc")
     with xr.open_dataset(tmp_path / "md.nc") as one, xr.open_dataset(tmp_path / "fresh.nc") as two:
         assert one.attrs["predictor"] == two.attrs["predictor"]
@@ -310,19 +264,19 @@ def test_predictor_is_widened_with_its_study(finished, run, tmp_path):
 
 @pytest.mark.parametrize("whole", [True, False])
 def test_other_fields_of_the_predictor_are_refused(finished, run, stopped, tmp_path, whole):
+    atoms = {"output": "md.nc", "model": TOY_ATOMS}
     with xr.open_datatree(tmp_path / "bem.nc") as tree:
         tree = tree.load()
     tree["gap"][1, 1] += 1e-12
     tree.to_netcdf(tmp_path / "other.nc")
     start = ("--predictor", str(tmp_path / "bem.nc"))
     if whole:
-        run(BASE, *start, output="md.nc", model=TOY_ATOMS)
+        run(BASE, *start, **atoms)
     else:
-        stopped(BASE, 5, *start, output="md.nc", model=TOY_ATOMS)
-    other = ("--predictor", str(tmp_path / "other.nc"))
-    status, solved, said = run(BASE, *other, "--resume", output="md.nc", model=TOY_ATOMS)
+        stopped(BASE, 5, *start, **atoms)
+    status, solved, said = run(BASE, "--predictor", str(tmp_path / "other.nc"), "--resume", **atoms)
     assert (status, solved) == (1, [])
     assert "holds another gap field than the finished step started from (well_depth_ratio = 4.0, point 2)" in said
-    status, _, said = run(BASE, "--resume", output="md.nc", model=TOY_ATOMS)
+    status, _, said = run(BASE, "--resume", **atoms)
     assert status == 1
     assert "--predictor is bem.nc there and none here" in said

@@ -7,37 +7,23 @@ import shutil
 import time
 
 import netCDF4
+import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import progress
 from contact_study.campaign import resume as resume_run
-from contact_study.campaign.dataset import assembly
 from contact_study.campaign.dataset.file import States
 from contact_study.campaign.dataset.work_directory import WorkDirectory
-from contact_study.campaign.progress import Progress
-from contact_study.campaign.store import case_file, records
-from contact_study.campaign.store.case_file import CaseWriter
+from contact_study.campaign.store import records
 from contact_study.inputs.errors import InputError
 from tests.campaign import toy_model
-from tests.campaign.toy_study import BASE, assert_same, changed
+from tests.campaign.conftest import fail
+from tests.campaign.toy_study import BASE, LONGER, MORE, assert_same, changed, names
 
-LONGER = changed(loading={"path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]})
-
-
-def names(folder):
-    return sorted(path.name for path in folder.iterdir() if path.name != "study.toml")
+BOTH = ["bem.nc", "bem.nc.restart"]
 
 
-def test_states_stand_beside_the_dataset_and_not_in_it(finished, tmp_path):
-    with xr.open_datatree(tmp_path / "bem.nc") as tree:
-        assert set(tree.children) == {"metastable"}
-        assert States(tmp_path / "bem.nc.restart").history == tree.attrs["history"]
-    assert States(tmp_path / "bem.nc.restart").state(1)["state"].shape == (3,)
-    assert States(tmp_path / "bem.nc.restart").state(2) == {}
-
-
-def as_written_before(path):
+def into_a_group(path):
     """Put the states into a group of the dataset, as earlier versions did."""
     states = States(path.with_name(path.name + ".restart"))
     kept = {
@@ -45,40 +31,42 @@ def as_written_before(path):
         for number in range(2)
         for name, values in states.state(number).items()
     }
+    assert states.state(1)["state"].shape == (3,)
+    assert states.state(2) == {}
     xr.Dataset(kept).to_netcdf(path, mode="a", group="restart")
     path.with_name(path.name + ".restart").unlink()
 
 
-def test_states_in_a_dataset_of_an_earlier_version_are_gone_on_from(finished, run, tmp_path):
-    as_written_before(tmp_path / "bem.nc")
-    status, solved, said = run(LONGER, "--resume")
-    assert (status, len(solved)) == (0, 2), said
-    run(LONGER, output="fresh.nc")
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
-    with xr.open_datatree(tmp_path / "bem.nc") as tree:
-        assert "restart" not in tree.children
+def of_another_dataset(path):
+    with netCDF4.Dataset(path, "r+") as dataset:
+        dataset.history += "\nlast week: something else"
 
 
-@pytest.mark.parametrize("fault", ["gone", "of another dataset", "one bit", "torn"])
-def test_without_a_state_a_longer_path_is_computed_anew(finished, run, tmp_path, fault):
-    path = tmp_path / "bem.nc.restart"
-    content = bytearray(path.read_bytes())
-    if fault == "gone":
-        path.unlink()
-    elif fault == "of another dataset":
-        with netCDF4.Dataset(tmp_path / "bem.nc", "r+") as dataset:
-            dataset.history += "\nlast week: something else"
-    elif fault == "one bit":
-        content[-1] ^= 1  # of the last state
-        path.write_bytes(content)
-    else:
-        path.write_bytes(content[:-1])
+def changed_at_the_end(change):
+    def act(path):
+        path = path.with_name(path.name + ".restart")
+        path.write_bytes(change(path.read_bytes()))
+
+    return act
+
+
+STATES = {
+    "there": (lambda path: None, 2),
+    "in the dataset": (into_a_group, 2),
+    "gone": (lambda path: path.with_name(path.name + ".restart").unlink(), 8),
+    "of another dataset": (of_another_dataset, 8),
+    "one bit": (changed_at_the_end(lambda content: content[:-1] + bytes([content[-1] ^ 1])), 5),
+    "torn": (changed_at_the_end(lambda content: content[:-1]), 5),
+}
+
+
+@pytest.mark.parametrize(("act", "steps"), STATES.values(), ids=STATES)
+def test_without_a_state_a_longer_path_is_computed_anew(finished, run, built, tmp_path, act, steps):
+    act(tmp_path / "bem.nc")
     status, solved, said = run(LONGER, "--resume")
-    one = fault in ("one bit", "torn")
-    assert (status, len(solved)) == (0, 5 if one else 8), said
-    assert said.count("computed again: the state after its last point was not kept") == (1 if one else 2)
-    run(LONGER, output="fresh.nc")
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
+    assert (status, len(solved)) == (0, steps), said
+    assert said.count("computed again: the state after its last point was not kept") == (steps - 2) // 3
+    assert_same(tmp_path / "bem.nc", built(LONGER))
 
 
 def test_states_are_not_kept_of_a_dataset_that_is_replaced(finished, run, tmp_path):
@@ -86,7 +74,7 @@ def test_states_are_not_kept_of_a_dataset_that_is_replaced(finished, run, tmp_pa
     assert names(tmp_path) == ["bem.nc"]
 
 
-def test_a_file_that_holds_no_states_is_not_lost(finished, run, tmp_path):
+def test_what_is_precious_is_refused_and_stays(finished, run, tmp_path):
     (tmp_path / "bem.nc.restart").write_text("precious")
     before = (tmp_path / "bem.nc").read_bytes()
     status, _, said = run(LONGER, "--resume")
@@ -94,148 +82,91 @@ def test_a_file_that_holds_no_states_is_not_lost(finished, run, tmp_path):
     assert "bem.nc.restart: exists and holds no restart states" in said
     assert (tmp_path / "bem.nc.restart").read_text() == "precious"
     assert (tmp_path / "bem.nc").read_bytes() == before
-    assert names(tmp_path) == ["bem.nc", "bem.nc.restart"]
+    assert names(tmp_path) == BOTH
 
 
-def interrupt(*_, **__):
-    raise KeyboardInterrupt
-
-
-@pytest.mark.parametrize(
-    ("at", "then"), [("_publish_states", BASE), ("_publish_states", LONGER), ("remove", LONGER), ("close", BASE)]
-)
-def test_a_kill_after_the_rename_leaves_nothing_for_good(run, tmp_path, monkeypatch, at, then):
-    publish = WorkDirectory.publish
-
-    def killed(parts):
-        monkeypatch.setattr(WorkDirectory, at, interrupt)
-        publish(parts)
-        interrupt()
-
-    monkeypatch.setattr(WorkDirectory, "publish", killed)
-    assert run(BASE)[0] == 130
-    monkeypatch.undo()
-    if at != "close":  # a kill closes nothing
-        (tmp_path / "bem.nc.parts.lock").touch()
-    assert (tmp_path / "bem.nc").exists()
-    status, solved, said = run(then, "--resume")
-    assert (status, len(solved)) == (0, 0 if then is BASE else 2)
-    assert "another run" not in said
-    assert names(tmp_path) == ["bem.nc", "bem.nc.restart"]
-
-
-def test_a_kill_while_the_folder_is_dropped(run, tmp_path, monkeypatch):
-    unlink, gone = type(tmp_path).unlink, []
-
-    def killed(path, missing_ok=False):
-        gone.append(path.suffix == ".case")
-        if sum(gone) == 2:
-            interrupt()
-        unlink(path, missing_ok)
-
-    monkeypatch.setattr(type(tmp_path), "unlink", killed)
-    assert run(BASE)[0] == 130
-    monkeypatch.undo()
-    assert any((tmp_path / "bem.nc.parts").iterdir())
-    _, solved, said = run(BASE, "--resume")
-    assert solved == []
-    assert "are left alone" not in said
-    assert names(tmp_path) == ["bem.nc", "bem.nc.restart"]
-
-
-def test_a_kill_between_the_renames_of_a_folder_of_zarr(run, tmp_path, monkeypatch):
-    pytest.importorskip("zarr")
-    run(BASE, output="bem.zarr")
-    rename = type(tmp_path).rename
-
-    def killed(path, target):
-        if path.name == "dataset.zarr":
-            interrupt()
-        return rename(path, target)
-
-    monkeypatch.setattr(type(tmp_path), "rename", killed)
-    wider = changed(sweep={"interaction.well_depth_ratio": [1, 4, 2]})
-    assert run(wider, "--resume", output="bem.zarr")[0] == 130
-    monkeypatch.undo()
-    assert not (tmp_path / "bem.zarr").exists()
-    status, solved, said = run(wider, "--resume", output="bem.zarr")
-    assert (status, solved) == (0, []), said
-    run(wider, output="fresh.nc")
-    assert_same(tmp_path / "bem.zarr", tmp_path / "fresh.nc")
-
-
-@pytest.fixture
-def meanwhile(monkeypatch):
-    """Do something after the first step of a run."""
-
-    def after_the_first_step(act):
-        save = CaseWriter.save_step
-
-        def acted(file, number, step):
-            save(file, number, step)
-            if not done:
-                done.append(act())
-
-        done = []
-        monkeypatch.setattr(CaseWriter, "save_step", acted)
-
-    yield after_the_first_step
-    monkeypatch.undo()
-
-
-@pytest.mark.parametrize("kind", ["file", "folder"])
-@pytest.mark.parametrize("resume", [False, True])
-def test_an_output_that_appears_is_not_replaced(run, tmp_path, meanwhile, monkeypatch, base_dataset, kind, resume):
-    def appear():
-        if resume:  # in the place of the one that is gone on from
-            (tmp_path / "bem.nc").unlink()
-        if kind == "file":
-            (tmp_path / "bem.nc").write_text("precious")
-        else:
-            (tmp_path / "bem.nc").mkdir()
-            (tmp_path / "bem.nc" / "precious").touch()
-
-    if resume:
-        shutil.copy(base_dataset, tmp_path / "bem.nc")
-    wider = changed(sweep={"interaction.well_depth_ratio": [1, 4, 2]})
-    meanwhile(appear)
-    status, _, said = run(wider, *(["--resume"] if resume else []))
-    assert status == 1
-    assert said.splitlines()[-1].endswith(
-        "bem.nc has appeared or changed while this ran; move it away and run this again (a model with --resume)"
-    )
-    monkeypatch.undo()
-    (tmp_path / "bem.nc").rename(tmp_path / "moved")
-    precious = tmp_path / "moved" / "precious"
-    assert precious.exists() if kind == "folder" else (tmp_path / "moved").read_text() == "precious"
-    status, solved, said = run(wider, "--resume")
-    assert (status, len(solved)) == (0, 6 if resume else 0), said
-
-
-def test_what_is_to_be_overwritten_may_change_but_for_folders(finished, run, tmp_path, meanwhile, monkeypatch):
-    meanwhile(lambda: (tmp_path / "bem.nc").write_text("new"))
+def test_steps_of_an_earlier_version_are_refused_and_stay(run, tmp_path):
+    old = tmp_path / "bem.nc.parts" / "case-0123456789abcdef"
+    old.mkdir(parents=True)
+    (tmp_path / "bem.nc.parts" / "manifest.json").write_text(json.dumps({"model": "continuum"}))
+    assert run(BASE)[0] == 1
+    status, _, said = run(BASE, "--resume")
+    assert (status, said.count("\n")) == (1, 1)
+    assert "bem.nc.parts: holds steps in the format of an earlier version; finish them with that version" in said
+    assert old.is_dir()
     assert run(BASE, "--overwrite")[0] == 0
-    monkeypatch.undo()
+    assert names(tmp_path) == BOTH
 
-    def appear():
-        (tmp_path / "bem.nc").unlink()
-        (tmp_path / "bem.nc").mkdir()
 
-    meanwhile(appear)
-    status, _, said = run(BASE, "--overwrite")
+def dropped(folder):
+    shutil.rmtree(folder / "bem.nc.parts")
+
+
+def garbled(folder):
+    (path,) = (folder / "bem.nc.parts").glob("*.case")
+    with path.open("r+b") as stream:
+        stream.seek(-1, 2)
+        stream.write(b"\xff")
+
+
+def file_appears(folder):
+    (folder / "bem.nc").write_text("precious")
+
+
+def folder_appears(folder):
+    (folder / "bem.nc").unlink(missing_ok=True)
+    (folder / "bem.nc").mkdir()
+    (folder / "bem.nc" / "precious").touch()
+
+
+LOST = ".case: was deleted, or taken over by another run, while its case ran; "
+APPEARED = "bem.nc has appeared or changed while this ran; move it away and run this again (a model with --resume)"
+IS_FOLDER = "bem.nc: is a folder, and no dataset that may be replaced"
+AGAIN = "1 damaged files of the earlier run: this run computes their lost steps again"
+
+# What happens after the first step, how the run was started, what is said then, and of the next run; its steps.
+MEANWHILE = {
+    "folder dropped": (dropped, [], LOST, "", 9),
+    "step garbled": (garbled, [], ".case: is corrupt", AGAIN, 3),
+    "file appears": (file_appears, [], APPEARED, "", 0),
+    "folder appears": (folder_appears, [], APPEARED, "", 0),
+    "folder in place of what is gone on from": (folder_appears, ["--resume"], APPEARED, "", 6),
+    "folder in place of what is replaced": (folder_appears, ["--overwrite"], IS_FOLDER, "", 0),
+}
+
+
+@pytest.mark.parametrize(("act", "how", "first", "then", "steps"), MEANWHILE.values(), ids=MEANWHILE)
+def test_what_happens_while_a_study_runs(run, built, tmp_path, after_step, act, how, first, then, steps):
+    if how:
+        shutil.copy(built(BASE), tmp_path / "bem.nc")
+    with after_step(lambda: act(tmp_path)):
+        status, _, said = run(MORE, *how)
     assert status == 1
-    assert "bem.nc: is a folder, and no dataset that may be replaced" in said
-    assert (tmp_path / "bem.nc").is_dir()
+    assert first in said.splitlines()[-1]
+    assert names(tmp_path) == [name for name in names(tmp_path) if "tmp" not in name]
+    if (tmp_path / "bem.nc").exists():
+        (tmp_path / "bem.nc").rename(tmp_path / "moved")
+        assert (tmp_path / "moved" / "precious").exists() or (tmp_path / "moved").read_text() == "precious"
+    status, solved, said = run(MORE, "--resume")
+    assert (status, len(solved)) == (0, steps), said
+    assert then in said
+    assert_same(tmp_path / "bem.nc", built(MORE))
 
 
-def test_an_output_that_appears_before_the_lock_is_seen_under_it(run, tmp_path, monkeypatch, base_dataset):
+def test_a_file_that_is_to_be_overwritten_may_change(finished, run, tmp_path, after_step):
+    with after_step(lambda: file_appears(tmp_path)):
+        assert run(BASE, "--overwrite")[0] == 0
+
+
+def test_an_output_that_appears_before_the_lock_is_seen_under_it(run, built, tmp_path, monkeypatch):
     opened = WorkDirectory.open
 
     def late(parts, **how):
         found = opened(parts, **how)
-        shutil.copy(base_dataset, tmp_path / "bem.nc")
+        shutil.copy(built(BASE), tmp_path / "bem.nc")
         return found
 
+    built(BASE)
     monkeypatch.setattr(WorkDirectory, "open", late)
     status, solved, said = run(BASE)
     assert (status, solved) == (1, [])
@@ -243,74 +174,47 @@ def test_an_output_that_appears_before_the_lock_is_seen_under_it(run, tmp_path, 
     assert names(tmp_path) == ["bem.nc"]
 
 
-def test_a_folder_deleted_while_a_study_runs_is_told_at_once(run, tmp_path, meanwhile, monkeypatch):
-    meanwhile(lambda: shutil.rmtree(tmp_path / "bem.nc.parts"))
-    status, solved, said = run(BASE)
-    assert (status, len(solved)) == (1, 2)
-    assert ".case: was deleted, or taken over by another run, while its case ran; " in said
-    assert names(tmp_path) == []
-    monkeypatch.undo()
-    assert run(BASE, "--resume")[0] == 0
+NO_LOCKS, FULL = (OSError(number, os.strerror(number)) for number in (errno.ENOLCK, errno.ENOSPC))
+NOT_WRITTEN = {
+    "a study refused late": (toy_model, "constants", InputError("surface.seed = 1: unlucky"), "error: surface.seed ="),
+    "no locks": ("fcntl", "flock", NO_LOCKS, "bem.nc: the file system of its folder has no locks (flock)"),
+    "a full disk, of steps": (records, "append", FULL, ".case: cannot be written (No space left on device)"),
+    "a full disk": (xr.Dataset, "to_netcdf", RuntimeError("NetCDF: HDF error"), "is the disk full?"),
+}
 
 
-def test_steps_of_an_earlier_version_are_refused_and_stay(run, tmp_path):
-    old = tmp_path / "bem.nc.parts" / "case-0123456789abcdef"
-    old.mkdir(parents=True)
-    (old / "step-0000.npz").write_bytes(b"steps")
-    (tmp_path / "bem.nc.parts" / "manifest.json").write_text(json.dumps({"model": "continuum"}))
-    for how in ([], ["--resume"]):
-        status, _, said = run(BASE, *how)
-        assert (status, said.count("\n")) == (1, 1)
-    assert (
-        "bem.nc.parts: holds steps in the format of an earlier version; finish them with that version, or drop" in said
-    )
-    assert (old / "step-0000.npz").exists()
-    assert run(BASE, "--overwrite")[0] == 0
-    assert names(tmp_path) == ["bem.nc", "bem.nc.restart"]
-
-
-def test_a_study_refused_late_leaves_nothing(run, tmp_path, monkeypatch):
-    def refuse(case, surface):
-        raise InputError("surface.seed = 1: unlucky")
-
-    monkeypatch.setattr(toy_model, "constants", refuse)
+@pytest.mark.parametrize(("owner", "name", "error", "words"), NOT_WRITTEN.values(), ids=NOT_WRITTEN)
+def test_what_cannot_be_written_leaves_nothing_but_steps(run, tmp_path, monkeypatch, owner, name, error, words):
+    owner = pytest.importorskip(owner) if isinstance(owner, str) else owner
+    monkeypatch.setattr(owner, name, fail(error))
     status, _, said = run(BASE)
     assert status == 1
-    assert said.splitlines()[-1] == "toy: error: surface.seed = 1: unlucky"
-    assert names(tmp_path) == []
+    assert words in said.splitlines()[-1]
+    assert "Traceback" not in said
+    assert names(tmp_path) == (["bem.nc.parts"] if name == "to_netcdf" else [])
+    assert not list(tmp_path.rglob("*.tmp"))
 
 
-@pytest.mark.parametrize("number", [errno.ENOLCK])
-def test_without_locks_the_file_and_the_remedy_are_named(run, tmp_path, monkeypatch, number):
-    def refused(*_):
-        raise OSError(number, os.strerror(number))
-
-    monkeypatch.setattr("fcntl.flock", refused)
-    status, solved, said = run(BASE)
-    assert (status, solved) == (1, [])
-    assert said.count("\n") == 1
-    assert "bem.nc: the file system of its folder has no locks (flock)" in said
-    assert "choose an output elsewhere" in said
-    assert names(tmp_path) == []
-
-
-def test_a_step_garbled_while_a_study_runs_is_told_and_computed_again(run, tmp_path, meanwhile, monkeypatch):
-    def garble():
-        (path,) = (tmp_path / "bem.nc.parts").glob("*.case")
-        with path.open("r+b") as stream:
-            stream.seek(-1, 2)
-            stream.write(b"\xff")
-
-    meanwhile(garble)
-    status, _, said = run(BASE)
-    assert status == 1
-    assert ".case: is corrupt" in said.splitlines()[-1]
-    monkeypatch.undo()
-    status, _, said = run(BASE, "--resume")
-    assert status == 0
-    assert "1 damaged files of the earlier run: this run computes their lost steps again" in said
-    run(BASE, output="fresh.nc")
-    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
+def test_names_of_no_output(run, study, tmp_path):
+    ending, folder = "expected a name that ends in .nc, for NetCDF, or .zarr", "is the name of a folder; name a file"
+    np.save(tmp_path / "map.npy", np.eye(8))
+    keys = ("--overwrite", "--surface.kind", "file", "--surface.path", "map.npy", "--surface.height_unit", "pm")
+    for name, words in (
+        ("/dev/null/bem.nc", "/dev/null/bem.nc: cannot be written ("),
+        ("bem", f"toy: error: {tmp_path / 'bem'}: {ending}\n"),
+        ("bem.zarr.gz", f"toy: error: {tmp_path / 'bem.zarr.gz'}: {ending}\n"),
+        ("sub/../study.toml", "is read by this run"),
+        ("map.npy", "is read by this run"),
+        ("", f"{tmp_path}"),
+    ):
+        status, solved, said = run(BASE, *keys, output=name)
+        assert (status, solved, said.count("\n")) == (1, [], 1)
+        assert words in said
+    status, _, said = run(BASE, "-o", f"{tmp_path}/bem.nc/")
+    assert (status, said) == (1, f"toy: error: {tmp_path}/bem.nc/: {folder}\n")
+    assert names(tmp_path) == ["map.npy"]
+    assert np.load(tmp_path / "map.npy").shape == (8, 8)
+    assert "toy" in study.read_text()
 
 
 def test_whole_cases_of_a_dataset_are_read_where_they_stand(finished, run, monkeypatch):
@@ -318,50 +222,22 @@ def test_whole_cases_of_a_dataset_are_read_where_they_stand(finished, run, monke
     append = records.append
     monkeypatch.setattr(resume_run, "write_case", lambda *_: written.append("case"))
     monkeypatch.setattr(
-        case_file.records, "append", lambda stream, kind, *rest: written.append(kind) or append(stream, kind, *rest)
+        records, "append", lambda stream, kind, *rest: written.append(kind) or append(stream, kind, *rest)
     )
-    assert run(changed(sweep={"interaction.well_depth_ratio": [1, 4, 2]}), "--resume")[0] == 0
+    assert run(MORE, "--resume")[0] == 0
     # The new case's constants, warning, and steps with their states; at last all states for the file beside.
     assert [kind for kind in written if kind in ("case", b"cons", b"step")] == [b"cons", b"step", b"step", b"step"]
 
 
 @pytest.mark.validation
-def test_assembling_and_widening_are_linear_in_cases(run, tmp_path, monkeypatch):
-    seconds = {}
-
-    def timed(module, name):
-        call = getattr(module, name)
-
-        def timing(*arguments, **options):
-            began = time.process_time()
-            try:
-                return call(*arguments, **options)
-            finally:
-                seconds[name] = seconds.get(name, 0.0) + time.process_time() - began
-
-        monkeypatch.setattr(module, name, timing)
-
-    timed(assembly, "assemble")
-    timed(WorkDirectory, "write")
+def test_assembling_and_widening_are_linear_in_cases(run):
     taken = []
     for cases in (200, 1600):
-        table = changed(output={"fields": False}, sweep={"surface.seed": list(range(cases))})
-        del table["sweep"]["interaction.well_depth_ratio"]
-        seconds.clear()
-        assert run(table, output=f"{cases}.nc")[0] == 0
-        wider = {**table, "sweep": {"surface.seed": list(range(cases + 10))}}
-        began = time.process_time()
-        assert run(wider, "--resume", output=f"{cases}.nc")[0] == 0
-        taken.append((sum(seconds.values()), time.process_time() - began))
+        table = changed(output={"fields": False}, sweep={"interaction.well_depth_ratio": None})
+        for seeds, how in ((cases, []), (cases + 10, ["--resume"])):
+            table["sweep"] = {"surface.seed": list(range(seeds))}
+            began = time.process_time()
+            assert run(table, *how, output=f"{cases}.nc")[0] == 0
+        taken.append(time.process_time() - began)
     # Eight times the cases; what grew with their square took thirty times as long and more.
-    assert taken[1][0] < 14 * taken[0][0]
-    assert taken[1][1] < 14 * taken[0][1]
-
-
-def test_what_takes_its_time_shows_how_far_it_is(monkeypatch, capsys):
-    monkeypatch.setattr(progress, "_SILENCE", 0.0)
-    assert list(Progress("toy").through(range(3), "cases taken")) == [0, 1, 2]
-    assert capsys.readouterr().err.splitlines() == [f"toy: cases taken: {number} of 3" for number in range(3)]
-    monkeypatch.setattr(progress, "_SILENCE", 60.0)
-    assert list(Progress("toy").through(range(3), "cases taken")) == [0, 1, 2]
-    assert capsys.readouterr().err == ""
+    assert taken[1] < 14 * taken[0]

@@ -44,6 +44,9 @@ BASE["sweep"] = {"interaction.well_depth_ratio": [1, 4]}
 BASE["output"]["pressure_range"] = ["-40 GPa", "100 GPa"]  # bins that follow from the study widen with it
 
 
+LONGER_PATH = {"path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]}
+
+
 def changed(**sections):
     table = copy.deepcopy(BASE)
     for section, keys in sections.items():
@@ -61,9 +64,23 @@ def steps_on_disk(parts: Path) -> int:
     return sum(CaseFile(path).finished(99, last_state=False) for path in parts.glob("*.case"))
 
 
+def names(folder: Path):
+    """What lies in a folder beside the study."""
+    return sorted(path.name for path in folder.iterdir() if path.name != "study.toml")
+
+
 def assert_same(one: Path, two: Path):
-    for group in (None, "metastable"):
-        with xr.open_dataset(one, group=group) as left, xr.open_dataset(two, group=group) as right:
-            xr.testing.assert_equal(
-                left.drop_vars("wall_time", errors="ignore"), right.drop_vars("wall_time", errors="ignore")
-            )
+    """Two datasets have the same groups, values, units and studies."""
+    with xr.open_datatree(one) as left, xr.open_datatree(two) as right:
+        assert left.attrs["study_toml"] == right.attrs["study_toml"]
+        assert {node.path for node in left.subtree} == {node.path for node in right.subtree} == {"/", "/metastable"}
+        for node in left.subtree:
+            here, there = node.to_dataset(), right[node.path].to_dataset()
+            units = [{name: each[name].attrs.get("units") for name in each.variables} for each in (here, there)]
+            assert units[0] == units[1]
+            xr.testing.assert_equal(*(each.drop_vars("wall_time", errors="ignore") for each in (here, there)))
+
+
+LONGER = changed(loading=LONGER_PATH)
+MORE = changed(sweep={"interaction.well_depth_ratio": [1, 4, 2]})
+WHOLE = changed(sweep={"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2, 3]})
