@@ -8,7 +8,7 @@ import pytest
 
 from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store import case_file
-from contact_study.campaign.store.case_file import CaseFile, CaseWriter, write_case
+from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from contact_study.numerics.distributions import Bins
 from contact_study.results.state import Step
 
@@ -51,22 +51,16 @@ def test_states_that_serve_nobody_do_not_pile_up(tmp_path, monkeypatch):
     monkeypatch.setattr(case_file, "_LEAST_GAIN", 1000)
     path, largest = tmp_path / "a.case", 0
     with CaseWriter(path, 50, last_state=False) as file:
+        file.save_constants({"modulus": 1e9})
         for number in range(50):
             file.save_step(number, step(number, 12_500))
             largest = max(largest, path.stat().st_size)
     assert largest < 0.4e6
     file = CaseFile(path)
     assert file.finished(50, last_state=True) == 50
+    assert file.constants == {"modulus": 1e9}
     assert [file.step(number)[0]["iterations"] for number in range(50)] == list(range(50))
     assert [name.name for name in tmp_path.iterdir()] == ["a.case"]
-
-
-def test_large_constants_outlast_a_first_step(tmp_path):
-    heights = np.zeros(300_000)  # more than what a file is written anew for
-    with CaseWriter(tmp_path / "a.case", 1, last_state=True) as file:
-        file.save_constants({"height": heights})
-        file.save_step(0, step(0))
-    assert CaseFile(tmp_path / "a.case").constants["height"].size == heights.size
 
 
 def test_a_state_that_is_lost_costs_steps_back_to_the_last_one(tmp_path):
@@ -107,14 +101,6 @@ def test_a_full_disk_is_named(tmp_path):
         file._stream = Path("/dev/full").open("wb")  # noqa: SIM115, closed as the case's own file is
         with pytest.raises(OSError, match=r"a\.case: cannot be written \(No space left on device\)"):
             file.save_step(0, step(0))
-
-
-def test_steps_that_stand_are_brought_as_if_a_run_had_stopped_there(tmp_path):
-    path = tmp_path / "a.case"
-    write_case(path, {"modulus": 1e9}, [{"area": 0.1}, {"area": 0.2}], BINS, {"state": np.ones(2)})
-    with CaseWriter(path, 3, last_state=True) as file:
-        assert file.start == 2
-        np.testing.assert_array_equal(file.state(1)["state"], [1, 1])
 
 
 def test_what_is_kept_of_a_file(tmp_path):

@@ -19,6 +19,8 @@ def test_every_task_is_run_once_and_reports_here(name):
     values = sorted(value for number, value in reports if value == number**2)
     assert values == [0, 1, 4, 9, 16]
     assert len(reports) == 10
+    with pytest.raises(ValueError, match="broken"):
+        engines.run([partial(square, 1), fail], 2, lambda *_: None, name)
 
 
 def test_processes_run_tasks_at_the_same_time_one_of_them_here(tmp_path):
@@ -37,20 +39,10 @@ def test_tasks_that_wait_go_to_the_process_that_is_free(tmp_path):
     assert ("ended",) in counted
 
 
-@pytest.mark.parametrize("name", LOCAL)
-def test_error_of_a_task_is_raised_here(name):
-    with pytest.raises(ValueError, match="broken"):
-        engines.run([partial(square, 1), fail], 2, lambda *_: None, name)
-
-
-def test_worker_that_dies_is_said():
+@pytest.mark.parametrize("others", [[], [partial(report_on, 60)]])
+def test_worker_that_dies_ends_what_this_process_is_at(others):
     with pytest.raises(CampaignError, match="a worker process was killed"):
-        engines.run([die], 1, lambda *_: None, "processes")
-
-
-def test_worker_that_dies_ends_what_this_process_is_at(tmp_path):
-    with pytest.raises(CampaignError, match="a worker process was killed"):
-        engines.run([die, partial(report_on, 60)], 2, lambda *_: None, "processes")
+        engines.run([die, *others], 1 + len(others), lambda *_: None, "processes")
 
 
 @pytest.mark.parametrize(("workers", "name"), [(0, "serial"), (1, "serial"), (2, "processes")])
@@ -59,8 +51,5 @@ def test_engine_follows_from_the_workers(monkeypatch, workers, name):
     monkeypatch.setitem(ENGINES, name, lambda *given: chosen.append(given[1]))
     engines.run([partial(square, 7)], workers, print)
     assert chosen == [max(1, workers)]
-
-
-def test_nothing_to_do_starts_nothing(monkeypatch):
-    monkeypatch.setitem(ENGINES, "processes", None)
     engines.run([], 4, print)
+    assert len(chosen) == 1, "nothing to do starts nothing"

@@ -2,8 +2,6 @@
 
 import io
 import os
-import subprocess
-import sys
 from functools import partial
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import pytest
 from contact_study.command_line.init import example, example_names
 from contact_study.start import bem_adhesion, contact_compare
 from contact_study.study.study import read_study
+from tests.campaign.conftest import fail
 
 MEASURED = "measured"  # waits for the map of a user
 
@@ -31,13 +30,14 @@ def test_an_example_is_a_study(name, tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out == (tmp_path / f"{name}.toml").read_text()
 
 
-@pytest.mark.parametrize("arguments", [["init"], ["--example"]])
-def test_without_a_name_all_are_listed(arguments, capsys):
-    assert bem_adhesion(arguments) == 0
-    lines = capsys.readouterr().out.splitlines()[1:]
-    assert [line.split()[0] for line in lines] == example_names()
+def test_without_a_name_all_are_listed(capsys):
+    assert bem_adhesion(["init"]) == bem_adhesion(["--example"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    listed = lines[1 : len(lines) // 2]
+    assert listed == lines[len(lines) // 2 + 1 :]
+    assert [line.split()[0] for line in listed] == example_names()
     assert {"first", "yang2008", "rubber", "sphere", MEASURED} <= {*example_names()}
-    assert all(len(line.split()) > 2 for line in lines), "each with its title"
+    assert all(len(line.split()) > 2 for line in listed), "each with its title"
 
 
 @pytest.mark.parametrize(
@@ -72,61 +72,39 @@ def test_the_sphere_comes_off_where_jkr_says():
     assert before > pull_off > after
 
 
-def shell(line):
-    """What a shell that asks sets."""
-    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
-    return {**asked, "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_SUPPRESS_SPACE": "1"}
-
-
-def completions(line, tmp_path):
-    """What the shell is offered behind a line."""
-    command = Path(sys.executable).with_name(line.split()[0])
-    answer = tmp_path / "answer"
-    asked = {**os.environ, **shell(line), "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)}
-    subprocess.run([command], env=asked, cwd=tmp_path, check=False, capture_output=True)
-    return answer.read_text().split("\n") if answer.exists() else []
-
-
-def completions_here(line, command, monkeypatch):
-    """The same from a command's main in this process, without the time that a command takes to start."""
+def completions_of(line, monkeypatch, command):
+    """What a shell is offered behind a line, from a command's main in this process."""
     import argcomplete
 
     class Answered(BaseException):
         """Where a command ends that was asked."""
 
-    def answered(_):
-        raise Answered
-
-    def not_opened(*_):
-        raise OSError
-
-    monkeypatch.setattr(os, "fdopen", not_opened)  # it debugs into file 9, which is another's here
-    for name, value in shell(line).items():
+    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
+    asked |= {"_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_SUPPRESS_SPACE": "1"}
+    monkeypatch.setattr(os, "fdopen", fail(OSError))  # it debugs into file 9, which is another's here
+    for name, value in asked.items():
         monkeypatch.setenv(name, value)
     answer = io.StringIO()
-    finder = partial(argcomplete.CompletionFinder(), exit_method=answered, output_stream=answer)
+    finder = partial(argcomplete.CompletionFinder(), exit_method=fail(Answered), output_stream=answer)
     monkeypatch.setattr(argcomplete, "autocomplete", finder)
     with pytest.raises(Answered):
         command([])
-    return answer.getvalue().split("\n")
-
-
-def test_the_shell_completes_keys(tmp_path):
-    pytest.importorskip("argcomplete")
-    assert "--surface.rms_height" in completions("bem-adhesion run study.toml --surface.rms", tmp_path)
+    return [word.strip() for word in answer.getvalue().split("\n")]
 
 
 @pytest.mark.parametrize(
-    ("line", "command", "offered"),
+    ("line", "offered"),
     [
-        ("bem-adhesion ru", bem_adhesion, "run"),
-        ("bem-adhesion run study.toml --interaction.law hard", bem_adhesion, "hard_wall"),
-        ("bem-adhesion study.toml --theory.spectrum an", bem_adhesion, "analytic"),
-        ("bem-adhesion init yang2008_", bem_adhesion, "yang2008_quick"),
-        ("contact-compare --sca", contact_compare, "--scatter"),
-        ("bem-adhesion merge --al", bem_adhesion, "--along"),
+        ("bem-adhesion ru", "run"),
+        ("bem-adhesion run study.toml --surface.rms", "--surface.rms_height"),
+        ("bem-adhesion run study.toml --interaction.law hard", "hard_wall"),
+        ("bem-adhesion study.toml --theory.spectrum an", "analytic"),
+        ("bem-adhesion init yang2008_", "yang2008_quick"),
+        ("contact-compare --sca", "--scatter"),
+        ("bem-adhesion merge --al", "--along"),
     ],
 )
-def test_words_examples_and_verbs_are_completed(line, command, offered, monkeypatch):
+def test_the_shell_completes_words_examples_and_verbs(line, offered, monkeypatch):
     pytest.importorskip("argcomplete")
-    assert [word.strip() for word in completions_here(line, command, monkeypatch)] == [offered]
+    command = contact_compare if line.startswith("contact") else bem_adhesion
+    assert completions_of(line, monkeypatch, command) == [offered]

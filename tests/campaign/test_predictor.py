@@ -1,6 +1,6 @@
 """Gap fields of another dataset are found by case, pressure and visit."""
 
-import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -14,73 +14,13 @@ from tests.study.test_study import changed, of_another_kind
 PATH = [1e8, 1e9, 1e8, 2e9]
 
 
-@pytest.fixture
-def dataset(tmp_path):
-    content = xr.load_dataset(content_of(study(), tmp_path / "all.nc"))
-    content["converged"][1, 1] = 0
-    content.to_netcdf(tmp_path / "bem.nc")
-    return tmp_path / "bem.nc"
-
-
-def study(ratios=(1, 4), **sections):
+def study(ratios=(1, 4), path=PATH, **sections):
     """The study of the dataset, or another with further sections and keys."""
     table = changed("sweep", **{"interaction.well_depth_ratio": list(ratios)})
-    table["loading"]["path"] = PATH
+    table["loading"]["path"] = path
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
     return make_study(table)
-
-
-def case(ratio):
-    table = changed("sweep", **{"interaction.well_depth_ratio": [ratio]})
-    table["loading"]["path"] = [*PATH, 3e9]
-    return make_study(table).cases[0]
-
-
-@pytest.mark.parametrize("method", ["overdamped", "dynamics"])
-def test_atoms_with_a_start_of_their_own_take_none(dataset, method):
-    assert check_predictor(dataset, study(), {}) == []
-    with pytest.raises(
-        InputError, match=f'--predictor .*: atoms of atomistic.method = "{method}" start from separation'
-    ):
-        check_predictor(dataset, study(atomistic={"method": method}), {})
-
-
-def test_field_of_the_same_visit(dataset):
-    fields = GapFields(dataset, case(4.0))
-    assert [fields(number)[0, 0] for number in (0, 2, 3)] == [4.0, 6.0, 7.0]
-    assert fields(0).shape == (3, 5)
-
-
-def test_a_further_visit_is_another_point(dataset):
-    third = case(4.0)
-    third = dataclasses.replace(third, loading=dataclasses.replace(third.loading, path=(1e8, 1e9, 1e8, 1e8)))
-    assert GapFields(dataset, third)(2)[0, 0] == 6.0
-    assert GapFields(dataset, third)(3) is None
-
-
-def test_nothing_where_there_is_no_usable_state(dataset):
-    fields = GapFields(dataset, case(4.0))
-    assert fields(1) is None  # not converged
-    assert fields(4) is None  # no such pressure
-    assert GapFields(dataset, case(2.0))(0) is None  # no such case
-
-
-def test_branch_counts(dataset):
-    unloading = case(1.0)
-    unloading = dataclasses.replace(unloading, loading=dataclasses.replace(unloading.loading, unload=True))
-    assert GapFields(dataset, unloading)(5) is None
-
-
-@pytest.mark.parametrize("content", [None, b"garbage", "no gap"])
-def test_unusable_predictor(tmp_path, content):
-    path = tmp_path / "bem.nc"
-    if content == "no gap":
-        xr.Dataset({"mean_gap": ("step", [1.0])}).to_netcdf(path)
-    elif content is not None:
-        path.write_bytes(content)
-    with pytest.raises(InputError, match="--predictor"):
-        check_predictor(path, study(), {})
 
 
 def content_of(study, path, **attrs):
@@ -116,6 +56,44 @@ def single(ratio=4.0, seed=1, **sections):
     return make_study(table)
 
 
+@pytest.fixture
+def dataset(tmp_path):
+    content = xr.load_dataset(content_of(study(), tmp_path / "all.nc"))
+    content["converged"][1, 1] = 0
+    content.to_netcdf(tmp_path / "bem.nc")
+    return tmp_path / "bem.nc"
+
+
+@pytest.mark.parametrize(
+    ("ratio", "loading", "found"),
+    [
+        (4, {}, [4.0, None, 6.0, 7.0, None]),  # of the same visit; the second is not converged; no such pressure
+        (4, {"path": [1e8, 1e9, 1e8, 1e8]}, [4.0, None, 6.0, None]),  # a further visit is another point
+        (2, {}, [None]),  # no such case
+        (1, {"unload": True}, [0.0, 1.0, 2.0, 3.0, None, None]),  # on the other branch
+    ],
+)
+def test_field_of_the_same_visit(dataset, ratio, loading, found):
+    fields = GapFields(dataset, study([ratio], [*PATH, 3e9], loading=loading).cases[0])
+    at = [fields(number) for number in range(len(found))]
+    assert [field if field is None else field[0, 0] for field in at] == found
+    assert all(field is None or field.shape == (3, 5) for field in at)
+
+
+@pytest.mark.parametrize("content", [None, b"garbage", "no gap", "no study"])
+def test_unusable_predictor(tmp_path, content):
+    path = tmp_path / "bem.nc"
+    if content == "no gap":
+        xr.Dataset({"mean_gap": ("step", [1.0])}).to_netcdf(path)
+    elif content == "no study":
+        content_of(single(), path, study_toml="[surface]\nkind = 3")
+    elif content is not None:
+        path.write_bytes(content)
+    words = r"bem\.nc its study is not one this version can read" if content == "no study" else ""
+    with pytest.raises(InputError, match=f"--predictor.*{words}"):
+        check_predictor(path, study(), {})
+
+
 def test_dataset_that_sweeps_more_than_the_run(tmp_path):
     swept = study(sweep={"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2, 3]})
     path = content_of(swept, tmp_path / "bem.nc")
@@ -145,50 +123,40 @@ def test_states_of_other_accuracy_yield_to_those_of_the_same(tmp_path):
     assert GapFields(path, single(solver={"tolerance": 1e-7}).cases[0])(0)[0, 0] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("sections", "culprit"),
-    [
-        ({"surface": {"seed": 2}}, "surface.seed is 1 there and 2 here"),
-        ({"surface": {"rms_height": "9 angstrom"}}, "surface.rms_height is 1e-09 there and 9e-10 here"),
-        ({"surface": {"size": ["104 nm", "52 nm"]}}, "surface.size"),
-        ({"loading": {"control": "gap", "path": ["1 nm"]}}, "loading.control is pressure there and gap here"),
-    ],
-)
-def test_predictor_of_another_surface_is_refused(tmp_path, sections, culprit):
+OTHERS = {
+    "surface.seed is 1 there and 2 here": {"surface": {"seed": 2}},
+    "surface.rms_height is 1e-09 there and 9e-10 here": {"surface": {"rms_height": "9 angstrom"}},
+    "surface.size": {"surface": {"size": ["104 nm", "52 nm"]}},
+    "loading.control is pressure there and gap here": {"loading": {"control": "gap", "path": ["1 nm"]}},
+    'atomistic.method = "overdamped" start from separation': {"atomistic": {"method": "overdamped"}},
+    'atomistic.method = "dynamics" start from separation': {"atomistic": {"method": "dynamics"}},
+}
+SAID = {
+    "material.youngs_modulus is 7.72e+10 there and 7.6e+10 here": {"material": {"youngs_modulus": "76 GPa"}},
+    "the work of adhesion is 2.76": {"interaction": {"well_depth_ratio": 8}},
+    "interaction.length is 3.28e-10 there and 3.3e-10 here": {"interaction": {"length": "3.3 angstrom"}},
+}
+NOT_SAID = [
+    {"surface": {"shape": [128, 128]}},  # another grid of the same surface
+    {"interaction": {"contact_distance": "3.8 angstrom"}},
+    {"material": {"atom_mass": "197 u"}},
+    {"atomistic": {"cutoff": 5.0}},
+    {"solver": {"tolerance": 1e-10}},
+    {"surface": {"size": "104 nm"}},  # as written elsewhere: 1040 angstrom
+]
+
+
+def test_what_may_differ_from_the_predictor(tmp_path):
     path = content_of(single(), tmp_path / "bem.nc")
-    with pytest.raises(InputError, match="--predictor") as failure:
-        check_predictor(path, single(**sections), {})
-    assert culprit in str(failure.value)
-
-
-@pytest.mark.parametrize(
-    ("sections", "words"),
-    [
-        ({"material": {"youngs_modulus": "76 GPa"}}, "material.youngs_modulus is 7.72e+10 there and 7.6e+10 here"),
-        ({"interaction": {"well_depth_ratio": 8}}, "the work of adhesion is 2.76"),
-        ({"interaction": {"length": "3.3 angstrom"}}, "interaction.length is 3.28e-10 there and 3.3e-10 here"),
-    ],
-)
-def test_predictor_of_another_law_is_said(tmp_path, sections, words):
-    path = content_of(single(), tmp_path / "bem.nc")
-    notes = check_predictor(path, single(**sections), {})
-    assert any(words in note for note in notes)
-    assert all("may select other states" in note for note in notes)
-
-
-@pytest.mark.parametrize(
-    "sections",
-    [
-        {"surface": {"shape": [128, 128]}},  # another grid of the same surface
-        {"interaction": {"contact_distance": "3.8 angstrom"}},
-        {"material": {"atom_mass": "197 u"}},
-        {"atomistic": {"cutoff": 5.0}},
-        {"solver": {"tolerance": 1e-10}},
-        {"surface": {"size": "104 nm"}},  # as written elsewhere: 1040 angstrom
-    ],
-)
-def test_what_is_no_part_of_the_contact_is_not_said(tmp_path, sections):
-    assert check_predictor(content_of(single(), tmp_path / "bem.nc"), single(**sections), {}) == []
+    for words, sections in OTHERS.items():
+        with pytest.raises(InputError, match=f"--predictor.*{re.escape(words)}"):
+            check_predictor(path, single(**sections), {})
+    for words, sections in SAID.items():
+        notes = check_predictor(path, single(**sections), {})
+        assert any(words in note for note in notes)
+        assert all("may select other states" in note for note in notes)
+    for sections in NOT_SAID:
+        assert check_predictor(path, single(**sections), {}) == []
 
 
 def test_predictor_of_another_height_map(tmp_path):
@@ -201,12 +169,6 @@ def test_predictor_of_another_height_map(tmp_path):
     assert check_predictor(path, mapped("two.npy"), {"two.npy": "abc"}) == []
     with pytest.raises(InputError, match=r"another height map than two\.npy"):
         check_predictor(path, mapped("two.npy"), {"two.npy": "def"})
-
-
-def test_dataset_without_its_study_is_refused(tmp_path):
-    path = content_of(single(), tmp_path / "bem.nc", study_toml="[surface]\nkind = 3")
-    with pytest.raises(InputError, match=r"bem\.nc its study is not one this version can read"):
-        check_predictor(path, single(), {})
 
 
 def test_padded_fields_come_without_their_padding(tmp_path):
