@@ -51,8 +51,8 @@ def elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def assert_same(one, other):
-    xr.testing.assert_identical(one.drop_vars("wall_time").drop_attrs(), other.drop_vars("wall_time").drop_attrs())
+def assert_same(*datasets):
+    xr.testing.assert_identical(*(dataset.drop_vars("wall_time").drop_attrs() for dataset in datasets))
 
 
 def test_a_table_gives_the_dataset_of_the_command_and_leaves_nothing(tmp_path):
@@ -134,26 +134,13 @@ def test_quantities_of_pint_are_values():
         run(changed(interaction={"length": 3.28 * unit.GPa}))
 
 
-def test_heights_may_have_a_unit():
-    unit = pint.UnitRegistry()
-    height = 2e-11 * np.random.default_rng(0).standard_normal((16, 16))
-    study = {name: keys for name, keys in STUDY.items() if name not in ("surface", "sweep")}
-    bare = run(study | {"surface": {"heights": height, "size": 4e-9}})
-    of_unit = {"heights": unit.Quantity(1e10 * height, "angstrom"), "size": unit.Quantity((4.0, 4.0), "nm")}
-    xr.testing.assert_allclose(
-        run(study | {"surface": of_unit}).drop_vars("wall_time"), bare.drop_vars("wall_time"), rtol=1e-9
-    )
-    with pytest.raises(ValueError, match=r"surface\.heights: Cannot convert"):
-        run(study | {"surface": of_unit | {"heights": unit.Quantity(height, "Pa")}})
-
-
 @pytest.mark.parametrize("law", EVERY_LAW.values(), ids=lambda law: type(law).__name__)
-@pytest.mark.parametrize("form", [lambda law: law, lambda law: {"law": law}])
-def test_a_law_is_what_its_keys_make(law, form):
-    (case,) = make_study(_plain(with_keys(STUDY | {"interaction": form(law), "sweep": {}}))).cases
-    assert type(case.law) is type(law)
+def test_a_law_is_what_its_keys_make(law):
     gaps = law.equilibrium_distance + law.length * np.geomspace(1e-3, 3, 20)
-    np.testing.assert_allclose(case.law.traction(gaps), law.traction(gaps), rtol=1e-12)
+    for given in (law, {"law": law}):
+        (case,) = make_study(_plain(with_keys(STUDY | {"interaction": given, "sweep": {}}))).cases
+        assert type(case.law) is type(law)
+        np.testing.assert_allclose(case.law.traction(gaps), law.traction(gaps), rtol=1e-12)
 
 
 SOLIDS = [
@@ -166,17 +153,17 @@ SOLIDS = [
 
 
 @pytest.mark.parametrize("solid", SOLIDS, ids=lambda solid: type(solid).__name__)
-@pytest.mark.parametrize("form", [lambda solid: solid, lambda solid: {"kind": solid, "boundary": "periodic"}])
-def test_a_solid_is_what_its_keys_make(solid, form):
-    study = changed(loading={"duration": 1.0} if isinstance(solid, Viscoelastic) else {})
-    study |= {"elasticity": form(solid), "material": {"poissons_ratio": 0.42}, "sweep": {}}
-    (case,) = make_study(_plain(with_keys(study))).cases
-    assert type(case.solid) is type(solid)
-    q = np.geomspace(1e8, 1e10, 7)
-    np.testing.assert_allclose(case.solid.stiffness(q), solid.stiffness(q), rtol=1e-12)
-    assert case.material.contact_modulus == pytest.approx(solid.contact_modulus, rel=1e-14)
-    if isinstance(solid, Viscoelastic):
-        np.testing.assert_allclose(case.solid.branch_moduli, solid.branch_moduli, rtol=1e-14)
+def test_a_solid_is_what_its_keys_make(solid):
+    viscous, q = isinstance(solid, Viscoelastic), np.geomspace(1e8, 1e10, 7)
+    for given in (solid, {"kind": solid, "boundary": "periodic"}):
+        study = changed(loading={"duration": 1.0} if viscous else {})
+        study |= {"elasticity": given, "material": {"poissons_ratio": 0.42}, "sweep": {}}
+        (case,) = make_study(_plain(with_keys(study))).cases
+        assert type(case.solid) is type(solid)
+        np.testing.assert_allclose(case.solid.stiffness(q), solid.stiffness(q), rtol=1e-12)
+        assert case.material.contact_modulus == pytest.approx(solid.contact_modulus, rel=1e-14)
+        if viscous:
+            np.testing.assert_allclose(case.solid.branch_moduli, solid.branch_moduli, rtol=1e-14)
 
 
 LIST = r'{0}\.{1} = \[.*\]: takes one value; .* \[sweep\], "{0}\.{1}" = \[\.\.\.\]'
@@ -249,15 +236,20 @@ def test_a_height_array_is_a_surface(tmp_path):
     height = 2e-11 * np.random.default_rng(0).standard_normal((16, 24))
     study = {name: keys for name, keys in STUDY.items() if name not in ("surface", "sweep")}
     own = study | {"surface": {"heights": height, "size": (4e-9, 6e-9)}}
-    dataset = run(own)
+    dataset = run(own, output="own.nc")
     np.save("map.npy", height)
     of_a_map = run(study | {"surface": {"kind": "file", "path": "map.npy", "size": [4e-9, 6e-9]}})
     xr.testing.assert_equal(dataset.drop_vars("wall_time"), of_a_map.drop_vars("wall_time"))
     assert dataset.rms_height == pytest.approx(height.std(), rel=1e-12)
     # The same array goes on where the file ends; another one is another study.
-    run(own, output="own.nc")
     longer = own | {"loading": {"path": ["0.5 GPa", "2 GPa", "1 GPa"]}}
     assert run(longer, output="own.nc", resume=True).sizes["step"] == 3
     with pytest.raises(ValueError, match=r"heights\.npy has changed"):
         run(own | {"surface": {"heights": 2 * height, "size": (4e-9, 6e-9)}}, output="own.nc", resume=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npy", "own.nc", "own.nc.restart"]
+    unit = pint.UnitRegistry()
+    of_unit = {"heights": unit.Quantity(1e10 * height, "angstrom"), "size": unit.Quantity((4.0, 6.0), "nm")}
+    again = run(study | {"surface": of_unit})
+    xr.testing.assert_allclose(again.drop_vars("wall_time"), dataset.drop_vars("wall_time"), rtol=1e-9)
+    with pytest.raises(ValueError, match=r"surface\.heights: Cannot convert"):
+        run(study | {"surface": of_unit | {"heights": unit.Quantity(height, "Pa")}})

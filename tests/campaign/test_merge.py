@@ -79,8 +79,6 @@ def test_seeds_join_to_what_one_run_writes(seeds, built, merge, tmp_path):
 
 WARNING = changed(sweep={"interaction.well_depth_ratio": [1, 2]}, solver={"max_iterations": 7})
 BINS = changed(**SWEPT, output={"pressure_range": None})
-HEIGHTS = {"surface": {"rms_height": None}, "output": {"gap_range": ["0 nm", "4 nm"]}}
-TWO_HEIGHTS = [changed(sweep={"surface.rms_height": two}, **HEIGHTS) for two in (["1 angstrom", 5e-10], [5e-10, 3e-10])]
 FREE = {"study": {"title": "renamed"}, "theory": {"alpha": 2.0}, "solver": {"threads": 1}}
 RENAMED = changed(**SWEPT, surface={"size": "10 nm"}, **FREE)
 
@@ -98,7 +96,6 @@ JOINED = {
         with_sweep(BINS, interaction_well_depth_ratio=[1, 40], surface_seed=[1, 2, 3]),
         "on other bins",
     ),
-    "other units": ([(table,) for table in TWO_HEIGHTS], None, ""),
     "what decides nothing": ([(WHOLE, SEED, "1"), (RENAMED, SEED, "2"), (WHOLE, SEED, "3")], WHOLE, ""),
     "an overlap": ([(WHOLE, SEED, "1"), (WHOLE, SEED, "1, 2"), (WHOLE, SEED, "3")], WHOLE, ""),
 }
@@ -110,14 +107,6 @@ def test_joined_is_what_one_run_writes(built, merge, tmp_path, parts, whole, wor
     status, said = merge(*files)
     assert status == 0, said
     assert words in said
-    if whole is None:  # no study writes these values so
-        with xr.open_dataset(tmp_path / "all.nc") as joined:
-            np.testing.assert_allclose(joined.rms_height, [1e-10, 3e-10, 5e-10], rtol=1e-15)
-            for file in files:
-                with xr.open_dataset(file) as part:
-                    at = {"rms_height": part.rms_height.values, "method": "nearest"}
-                    np.testing.assert_array_equal(joined.relative_contact_area.sel(**at), part.relative_contact_area)
-        return
     expected = built(whole)
     with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(expected) as dataset:
         if not words:
@@ -128,6 +117,19 @@ def test_joined_is_what_one_run_writes(built, merge, tmp_path, parts, whole, wor
         np.testing.assert_array_equal(joined.pressure_bin, dataset.pressure_bin)
         np.testing.assert_array_equal(joined.relative_contact_area, dataset.relative_contact_area)
         np.testing.assert_array_equal(joined.well_depth_ratio, [1, 40])
+
+
+def test_values_in_other_units_are_one_point(built, merge, tmp_path):
+    others = {"surface": {"rms_height": None}, "output": {"gap_range": ["0 nm", "4 nm"]}}
+    heights = ["1 angstrom", "0.5 nm"], ["5 angstrom", "0.3 nm"]
+    files = [built(changed(sweep={"surface.rms_height": two}, **others)) for two in heights]
+    assert merge(*files)[0] == 0
+    with xr.open_dataset(tmp_path / "all.nc") as joined:
+        np.testing.assert_allclose(joined.rms_height, [1e-10, 3e-10, 5e-10], rtol=1e-15)
+        for file in files:
+            with xr.open_dataset(file) as part:
+                at = {"rms_height": part.rms_height.values, "method": "nearest"}
+                np.testing.assert_array_equal(joined.relative_contact_area.sel(**at), part.relative_contact_area)
 
 
 def test_joined_study_is_gone_on_from(seeds, built, merge, run, tmp_path):
@@ -161,9 +163,6 @@ def test_different_studies_are_refused_by_key(seeds, built, refused, key):
     other = built(changed(**SWEPT, **DIFFERENT[key]), SEED, "2")
     for files in ((seeds[0], other), (other, seeds[0])):
         refused(files, f"{files[0]} and {files[1]} are of different studies: {key} is ")
-
-
-def test_exception_for_points_of_one_part_is_a_difference(seeds, built, refused):
     exception = {"when": {"surface.seed": 2}, "loading.path": ["0.1 GPa", "3 GPa"]}
     own = built({**WHOLE, "override": [exception]}, SEED, "2")
     refused((seeds[0], own), "loading.path is [1e+08, 1e+09, 2e+09] in the one and [1e+08, 3e+09]")

@@ -39,15 +39,13 @@ def run(table):
     return prepare_run(TOY, study, bins_of(study))
 
 
-@pytest.mark.parametrize(("sections", "words"), REFUSED)
-def test_another_study_is_refused_and_its_keys_named(sections, words):
-    with pytest.raises(InputError) as failure:
-        match(run(BASE).record.attributes, run(changed(**sections)))
-    assert words in str(failure.value)
-    assert "\n" not in str(failure.value)
-
-
-def test_unloading_that_is_there_is_not_given_up():
+def test_another_study_is_refused_and_its_keys_named():
+    attributes = run(BASE).record.attributes
+    for sections, words in REFUSED:
+        with pytest.raises(InputError) as failure:
+            match(attributes, run(changed(**sections)))
+        assert words in str(failure.value)
+        assert "\n" not in str(failure.value)
     with pytest.raises(InputError, match=r"loading\.unload is true there and false here"):
         match(run(changed(loading={"unload": True})).record.attributes, run(BASE))
 
@@ -87,29 +85,24 @@ def test_names_of_cases_follow_from_their_numbers():
     ],
 )
 def test_ranges_that_left_something_out(first, then, stands):
-    _, matches = match(
-        run(changed(output={"pressure_range": first})).record.attributes, run(changed(output={"pressure_range": then}))
-    )
-    assert [found.steps for found in matches.values()] == ([3, 3] if stands else [0, 0])
-    _, matches = match(
-        run(changed(output={"gap_range": ["0 nm", "2 nm"]})).record.attributes,
-        run(changed(output={"gap_range": ["0 nm", "1 nm"] if stands else ["0 nm", "3 nm"]})),
-    )
-    assert [found.steps for found in matches.values()] == ([3, 3] if stands else [0, 0])
+    gaps = [["0 nm", "2 nm"], ["0 nm", "1 nm"] if stands else ["0 nm", "3 nm"]]
+    for key, ranges in (("pressure_range", (first, then)), ("gap_range", gaps)):
+        one, two = (run(changed(output={key: chosen})) for chosen in ranges)
+        matches = match(one.record.attributes, two)[1].values()
+        assert [found.steps for found in matches] == ([3, 3] if stands else [0, 0])
 
 
-def test_values_in_other_units_are_the_same():
-    one, two = (run(changed(surface={"size": size, "rms_height": "0.1 nm"})) for size in ("83.2 angstrom", 8.32e-9))
+@pytest.mark.parametrize(
+    ("sizes", "alike"),
+    [
+        (("83.2 angstrom", 8.32e-9), True),  # in other units
+        ((8.3200000000049e-9, 8.320000000005e-9), False),  # equal values may round to different names
+    ],
+)
+def test_values_that_are_equal_but_for_a_rounding_match(sizes, alike):
+    one, two = (run(changed(surface={"size": size, "rms_height": "0.1 nm"})) for size in sizes)
     assert one.study.cases[0].surface.size != two.study.cases[0].surface.size
-    assert one.record.case_names == two.record.case_names
-    assert [found.steps for found in match(one.record.attributes, two)[1].values()] == [3, 3]
-
-
-def test_equal_values_that_round_to_different_names_match():
-    one, two = (
-        run(changed(surface={"size": size, "rms_height": "0.1 nm"})) for size in (8.3200000000049e-9, 8.320000000005e-9)
-    )
-    assert one.record.case_names != two.record.case_names
+    assert (one.record.case_names == two.record.case_names) == alike
     assert [found.steps for found in match(one.record.attributes, two)[1].values()] == [3, 3]
 
 
