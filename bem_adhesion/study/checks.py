@@ -12,7 +12,7 @@ from bem_adhesion.process_zone import (
     resolving_shape,
     too_coarse,
 )
-from contact_study.campaign.memory import grid_fits, memory_in_words, most_points
+from contact_study.campaign.memory import in_words, most_points, on_grid
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
 from contact_study.physics.surfaces.scales import SurfaceScales
@@ -86,8 +86,8 @@ def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
     reach = max(longest, law.length)
     zone *= (reach / law.length) ** 2
     y, x = resolving_shape(scale.size, zone)
-    needs = memory_in_words((y, x))
-    if grid_fits((y, x)):
+    needs = in_words(on_grid((y, x)))
+    if y * x <= most_points():
         range_too, cost = "", ""
         if longest > law.length:
             range_too = f'interaction.length = "auto" ({length(reach)}) on '

@@ -34,26 +34,17 @@ class Need:
 def grid_need(case: "Case") -> Need:
     """Memory of a simulation on the grid of a case."""
     shape = case.surface.shape or (0, 0)
-    return Need(_on_grid(shape), f"surface.shape = {list(shape)}", "fewer points")
+    return Need(on_grid(shape), f"surface.shape = {list(shape)}", "fewer points")
 
 
-def _on_grid(shape: tuple[int, int]) -> float:
+def on_grid(shape: tuple[int, int]) -> float:
+    """Memory (bytes) of a simulation on a grid of this shape."""
     return float(shape[0] * shape[1] * _BYTES_PER_POINT)
-
-
-def grid_fits(shape: tuple[int, int]) -> bool:
-    """Whether the machine's memory holds a simulation on a grid of this shape."""
-    return _on_grid(shape) <= _memory()
 
 
 def most_points() -> float:
     """Number of points of the largest grid that the machine's memory holds."""
     return _memory() / _BYTES_PER_POINT
-
-
-def memory_in_words(shape: tuple[int, int]) -> str:
-    """Memory of a simulation on a grid of this shape, such as ``1.2 GB``."""
-    return in_words(_on_grid(shape))
 
 
 def in_words(size: float) -> str:

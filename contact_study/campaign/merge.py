@@ -47,12 +47,7 @@ def merge(
     along: Sequence[str] = (),
     overwrite: bool = False,
 ) -> tuple[Mapping[str, xr.Dataset], list[str]]:
-    """Merge datasets of one study by the user's ``command``; returns the groups by name, and warnings.
-
-    ``along``: keys, ``"section.key"``, over which to join datasets that do not sweep them. It raises InputError, and
-    writes nothing, if the datasets are of different studies, disagree where they overlap or lack points of the joined
-    sweep, or if the output exists and ``overwrite`` is false.
-    """
+    """Merge datasets of one study, ``along`` further keys; returns the groups by name, and warnings."""
     check_name(output)
     if real(output) in {real(path) for path in paths}:
         raise InputError(f"{output}: is one of the datasets to join; choose another output")
@@ -167,9 +162,7 @@ def _read_source(path: Path) -> _Source:
 def _joined_study(sources: Sequence[_Source], along: Sequence[str]) -> Study:
     """Make the study whose sweep holds the cases of every dataset.
 
-    Its keys are those of the first dataset. A key that some dataset sweeps is swept, numbers in increasing order; the
-    other datasets have one value of it each. Samples of one random surface that no dataset sweeps are joined over their
-    seeds. It raises InputError if the datasets differ in any other key.
+    A key that some dataset sweeps is swept, numbers in increasing order; unswept samples are joined over seeds.
     """
     sections = {section: declared for section, declared in SECTIONS.items() if section not in WHOLE_STUDY}
     known = [f"{section}.{name}" for section, declared in sections.items() for name in keys_of(declared)]

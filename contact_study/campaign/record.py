@@ -1,10 +1,7 @@
 """The study inside a dataset: model, keys and files of a run, and in what two such records differ.
 
-The numbers of a step follow from the model, its version and every key of the case that the model reads. A height map
-counts by its content. The path up to the step, the least adaptive step and the predictor's gap field count, too. The
-title, the kept output, the unit of a value and the number of threads decide no number.
-
-Two values of a key are equal if :func:`~contact_study.study.schema.dotted_keys.same` says so.
+Model, version, every key that the model reads, the content of height maps, the path up to a step and the predictor's
+gap field decide its numbers; title, kept output, units and threads do not.
 """
 
 import hashlib
@@ -38,11 +35,7 @@ _NAMED_KEYS = 3  # differing keys that a message names
 
 @dataclass(frozen=True)
 class RunRecord:
-    """The record of a run in a dataset, or in the folder of an unfinished run.
-
-    It has the kind of model, SHA-256 of each height map by its path as the study writes it, the sections that the model
-    ignores, and name and SHA-256 of the predictor's dataset.
-    """
+    """The record of a run in a dataset or a work directory; maps and predictor by name and SHA-256."""
 
     kind: str
     study: Study

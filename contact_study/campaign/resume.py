@@ -1,8 +1,7 @@
 """Continue an earlier run: a finished dataset, the steps of an unfinished run, or both.
 
-Every check comes before the first change. Cases that the dataset holds whole stay there until the next dataset is
-assembled. Other cases move to this run's work directory by one rename each, as if the run had just been interrupted.
-A later resume finishes one that was killed, and the old dataset stays until the new one is complete.
+Every check comes before the first change. Cases that the dataset holds whole stay there; others move to the work
+directory by one rename each, as if the run had just been interrupted. The old dataset stays until the new one is whole.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -29,7 +28,11 @@ _START = "predictor_field"
 COARSER_BINS = "the bins of its distributions were coarser than those asked for now"
 
 # Optional content of a step, in rising order, by the key of [output].
-_KEPT: Mapping[str, tuple[Any, ...]] = {"fields": (False, True), "atoms": ("none", "surface", "block")}
+_KEPT: Mapping[str, tuple[Any, ...]] = {
+    "fields": (False, True),
+    "atoms": ("none", "surface", "block"),
+    "field_precision": ("single", "double"),
+}
 
 
 class NotKeptError(InputError):
@@ -46,10 +49,7 @@ class Match:
 
 
 def existing_dataset(work: WorkDirectory, *, resume: bool, overwrite: bool) -> dict[str, Any] | None:
-    """Attributes of the dataset at the output, if this run continues it and no steps in the work directory replace it.
-
-    It raises InputError if the output exists and neither option allows to use or replace it.
-    """
+    """Attributes of the dataset at the output, if this run continues it and no steps replace it."""
     output = work.output
     if not output.exists() or overwrite:
         return None
@@ -92,9 +92,7 @@ def resume_run(
 ) -> Resumed:
     """Find the finished part of a run; bring cases that no dataset holds whole into its open work directory.
 
-    Earlier runs are given by their attributes: the ``unfinished`` one whose steps the directory holds, and that of the
-    ``finished`` dataset at the output. It raises InputError if one is of another study, or if its steps started from
-    other fields of the predictor.
+    Earlier runs are given by their attributes: ``unfinished`` steps in the directory, a ``finished`` dataset.
     """
     notes: list[str] = []
     earlier: RunRecord | None = None
@@ -203,12 +201,7 @@ def _extract(dataset: DatasetReader, found: Match, bins: Bins, own: Bins, path: 
 
 
 def match(attributes: Mapping[str, Any], run: Run) -> tuple[RunRecord, dict[int, Match]]:
-    """Read an earlier run from a dataset's attributes; find its cases in a new one, by the numbers of the new one.
-
-    The new run may add points to the sweep and the path and keep more content; it must contain the earlier one. An
-    InputError names the difference, the caller the earlier run; it is a NotKeptError if only the kept content or the
-    height map's content differs.
-    """
+    """Find the cases of an earlier run, read from attributes, in one that may be larger, by number."""
     for name in ("model", "version", "schema_version"):
         if attributes.get(name) != run.record.attributes[name]:
             raise InputError(
@@ -257,7 +250,7 @@ def _different(
 def _matched_steps(number: int, case: Case, other: Case, run: Run) -> Match:
     """Count the steps that a case shares with another that differs only in its path and kept content."""
     model = run.model
-    added = [reason for name in model.keeps if (reason := _added_content(name, case, other))]
+    added = [_added_content(name, case, other) for name in model.keeps]
     where = f" at {case.label}" if case.label else ""
     if case.loading.unload and not other.loading.unload:
         raise InputError(f"loading.unload is true there and false here{where}")
@@ -266,15 +259,15 @@ def _matched_steps(number: int, case: Case, other: Case, run: Run) -> Match:
     if after[:length] != before[:length]:
         raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
     if "fields" in model.keeps and case.output.fields:
-        added += filter(None, [_added_fields(case, other)])
+        added += [_added_fields(case, other), _added_content("field_precision", case, other)]
     if model.whole_path and before != after:
         added.append("the path has changed, and its points share quantities of the whole path")
     if model.own_steps and case.least_step != other.least_step:
         added.append("the least step of loading.adaptive follows the largest value of the path, which grew")
     if not _ranges_contain(case, run.bins):
         added.append("the distributions there were counted in a narrower range")
-    if added:
-        return Match(number, 0, added[0])
+    if any(added):
+        return Match(number, 0, next(filter(None, added)))
     shared = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
     return Match(number, shared, "unloading starts from another point" if shared < len(before) else "")
 
@@ -287,29 +280,22 @@ def _added_content(name: str, case: Case, other: Case) -> str:
     then, now = (value if isinstance(value, str) else str(value).lower() for value in (there, here))
     if change < 0:
         raise NotKeptError(
-            f"it keeps {name} by output.{name} = {then}, this study has {now}: set it so, or use another output or "
-            "--overwrite"
+            f"it keeps {name.replace('_precision', 's')} by output.{name} = {then}, this study has {now}: set it so, "
+            "or use another output or --overwrite"
         )
-    return f"output.{name} = {now}: the earlier run did not keep its {name}" if change else ""
+    lacked = "kept single precision" if name == "field_precision" else f"did not keep its {name}"
+    return f"output.{name} = {now}: the earlier run {lacked}" if change else ""
 
 
 def _added_fields(case: Case, other: Case) -> str:
     """Why a case needs more of its fields than an earlier run kept, if so; raises NotKeptError if it keeps fewer."""
-    digits = case.output.field_precision, other.output.field_precision
     if case.kept_fields - other.kept_fields:
         raise NotKeptError(
             "it keeps fields of points that output.field_steps leaves out: name them, too, or use another output or "
             "--overwrite"
         )
-    if digits == ("double", "single"):
-        raise NotKeptError(
-            "it keeps fields by output.field_precision = double, this study has single: set it so, or use another "
-            "output or --overwrite"
-        )
     if other.kept_fields.intersection(range(len(case.path))) - case.kept_fields:
         return "output.field_steps: the earlier run did not keep the fields of these points"
-    if digits == ("single", "double"):
-        return "output.field_precision = double: the earlier run kept single precision"
     return ""
 
 

@@ -49,12 +49,7 @@ def run_campaign(
     predictor: Path | None,
     options: RunOptions,
 ) -> Mapping[str, xr.Dataset]:
-    """Run a study by the user's ``command``; write its dataset, whose groups by name it returns.
-
-    Of a dataset that was complete before it returns only the flags ``converged``. It raises InputError, and writes
-    nothing, if the study, the predictor or the output cannot be used; CampaignError, and keeps the finished steps, if
-    the run cannot finish.
-    """
+    """Run a study by the user's ``command``; write its dataset, return its groups, of a complete one the flags."""
     choices = {"resume": options.resume, "overwrite": options.overwrite}
     check_name(output)
     bins, study_notes = check_study(model, study)
@@ -123,10 +118,7 @@ def _count_fitting_cases(run: Run, options: RunOptions) -> int:
 def _run_cases(
     run: Run, work: WorkDirectory, whole: Container[int], progress: Progress, options: RunOptions, fitting: int
 ) -> tuple[dict[int, CaseFile], list[str]]:
-    """Run every unfinished step of the cases that no dataset holds ``whole``, at most ``fitting`` of them at once.
-
-    It returns their files by their numbers, and their warnings, those of earlier steps included.
-    """
+    """Run the cases that no dataset holds ``whole``, ``fitting`` at once; returns files by number, and warnings."""
     # Workers on other machines may have another working directory.
     predictor = None if run.predictor is None else run.predictor.absolute()
     jobs = {

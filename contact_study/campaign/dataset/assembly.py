@@ -93,10 +93,7 @@ def assemble(
     cases: Iterable[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]],
     coordinates: Mapping[str, np.ndarray],
 ) -> dict[str, xr.Dataset]:
-    """Assemble datasets by group from the place in the sweep, the constants and the values of each step of every case.
-
-    Arrays whose lengths differ between cases, such as the atoms of cells of different sizes, are padded at their ends.
-    """
+    """Assemble datasets by group from the steps of every case; shorter arrays are padded at their ends."""
     lengths = tuple(len(swept.values) for swept in sweep.values())
     arrays: dict[str, np.ndarray] = {}
     for index, constants, path in cases:

@@ -1,8 +1,4 @@
-"""The file of a dataset, written by rename and read case by case, and beside it that of its restart states.
-
-Only ``--resume`` and ``contact-merge`` read the states, ``bem.nc.restart``: the state after each last point, to
-lengthen paths from. The file may be deleted. It names its dataset by the history.
-"""
+"""The file of a dataset, and beside it ``bem.nc.restart``, the state after each last point to lengthen from."""
 
 import itertools
 import math
@@ -75,10 +71,7 @@ def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:
 
 
 def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Choose chunks of about 2 MB: one state, or part of it, of a large field; many states and cases of a distribution.
-
-    Reading one field then reads no other, and a distribution of a thousand cases takes a hundred chunks.
-    """
+    """Choose chunks of about 2 MB: one state, or part of it, of a large field; many cases of a distribution."""
     chunks: list[int] = []
     points = 1
     for size in reversed(shape):

@@ -33,11 +33,7 @@ _OPTION = "--predictor"
 
 
 def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) -> list[str]:
-    """Make sure that a dataset of the continuum can serve a study, with these SHA-256 of its height maps, as predictor.
-
-    A start selects one of several adhesive states, so the surface must be the same. Other moduli or another law give
-    rough starts; the returned notes name them.
-    """
+    """Check that a dataset of the continuum can be a study's predictor; returns notes of another law."""
     for case in study.cases:
         if case.atomistic.method in _OWN_START:
             raise InputError(
@@ -68,10 +64,7 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
 
 
 class GapFields:
-    """Gap field (y, x) of each path point of the case to be started; None where the dataset has no usable state.
-
-    Cases are matched by the swept keys of both studies and by the points of their paths.
-    """
+    """Gap field (y, x) of each path point of a case, by the swept keys of both studies; None without one."""
 
     def __init__(self, path: Path, case: Case):
         self._path = path

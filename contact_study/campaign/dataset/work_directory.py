@@ -1,8 +1,7 @@
 """The work directory of a run, ``bem.nc.parts``, and the lock that excludes a second run.
 
-It holds a manifest with the record of the run, and one file per case, named after what decides its numbers. When all
-cases are finished the dataset moves to the output by rename, then its restart states, and the directory is removed, the
-manifest last. A run that is killed in between leaves what the next run on this output finishes.
+It holds the record of the run and one file per case, named after what decides its numbers. The finished dataset moves
+to the output by rename, then its restart states; the directory goes, the manifest last. The next run finishes a kill.
 """
 
 import json
@@ -51,11 +50,7 @@ class WorkDirectory:
         return self.folder / f"{name}.case"
 
     def open(self, *, resume: bool, overwrite: bool) -> dict[str, Any] | None:
-        """Lock the directory for this run; clear it (overwrite) or keep its steps (resume).
-
-        It returns what :meth:`claim` recorded of the steps in it, None if there are none, and raises InputError if
-        another run is writing, or if it holds steps that this run may neither use nor clear.
-        """
+        """Lock the directory; clear it (overwrite) or keep its steps (resume); returns what :meth:`claim` recorded."""
         self._acquire_lock()
         restore_dataset(self._dataset, self.output)
         self._publish_states()
@@ -153,10 +148,7 @@ class WorkDirectory:
             self._states.replace(states_file(self.output))
 
     def clear_leftovers(self) -> bool:
-        """Finish the work of a run that was killed after it had renamed the dataset which is now at the output.
-
-        It returns whether nothing is left; another run may be at work, or have left its steps.
-        """
+        """Finish the work of a run killed after it had renamed its dataset; returns whether nothing is left."""
         if not self.folder.exists() and not Path(self._lock.lock_file).exists():
             return True
         try:

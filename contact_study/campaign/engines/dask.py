@@ -1,8 +1,4 @@
-"""Engine that spreads tasks over the workers of a Dask cluster.
-
-The user provides the cluster: a scheduler, and workers that share the folder of the output, each a process under a
-nanny that replaces it when it dies. Another worker then continues its cases from the steps on disk.
-"""
+"""Engine that spreads tasks over the workers of a Dask cluster, which share a folder."""
 
 import json
 import logging

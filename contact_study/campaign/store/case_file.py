@@ -1,11 +1,7 @@
 """The file of one case while its study runs: constants, warnings, finished steps, and the restart state.
 
-Each is a record with a checksum, appended when it is known, the state before its step. A readable record is complete; a
-kill loses only the record that was being written. When states before the last fill half of the file, it is rewritten
-without them and renamed.
-
-A worker that opens a case copies its file and renames the copy to the file's place. An abandoned worker that still
-runs, perhaps on another machine, then writes into a file without a name.
+Each is a record, the state before its step; a file half full of older states is rewritten without them. A worker that
+opens a case renames a copy to its place: an abandoned one that still runs then writes into a file without a name.
 """
 
 import os
@@ -60,10 +56,7 @@ class CaseFile:
         return any(kind in (_STEP, _PARTIAL) for kind, _ in self._records)
 
     def finished(self, steps: int, last_state: bool) -> int:
-        """Count a case's ``steps`` from the first without a gap, up to one from which the run can continue.
-
-        The last step of the case counts without a state, unless ``last_state`` asks for it.
-        """
+        """Count ``steps`` without a gap up to one with a state, which the last needs for ``last_state``."""
         number = 0
         while number < steps and self.has_step(number):
             number += 1
@@ -119,10 +112,7 @@ class CaseFile:
         return self._read((_PARTIAL, number))[0] if (_PARTIAL, number) in self._records else {}
 
     def keep(self, first: int, partial: bool) -> None:
-        """Rewrite the file with the steps before ``first`` only, and the unfinished step ``first`` if ``partial``.
-
-        Without any step the constants go, too; so do corrupt records.
-        """
+        """Keep steps before ``first``, and the unfinished one if ``partial``; without a step no constants."""
         kept = [key for key in self._kept(first, partial) if first > 0 or key[0] != _CONSTANTS]
 
         def write(path: Path) -> None:
@@ -165,11 +155,7 @@ class CaseFile:
 
 
 class CaseWriter(CaseFile):
-    """Writer of the file of a case, for the worker that runs its ``steps``; a context.
-
-    ``last_state``: whether to keep the state after the last one. It raises OSError where the file cannot be written,
-    and CampaignError if it was deleted or another worker has taken over the case.
-    """
+    """Writer of the file of a case of so many ``steps``, with the last state or without; a context."""
 
     def __init__(self, path: Path, steps: int, last_state: bool):
         super().__init__(path)

@@ -1,7 +1,4 @@
-"""Files of records: numbers and arrays with a checksum, appended one after the other.
-
-A kill or a full disk leaves at most the last record incomplete; readers skip it.
-"""
+"""Files of records, numbers and arrays with a checksum; a kill leaves at most the last one incomplete."""
 
 import json
 import math

@@ -1,4 +1,1 @@
-"""The run of cases: their distribution over an engine, one case step by step, averages over thermal states.
-
-Models solve the steps; engines only call tasks.
-"""
+"""The run of cases: one case step by step, and averages over thermal states."""

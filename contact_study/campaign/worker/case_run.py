@@ -49,11 +49,7 @@ class Job:
 
 
 def run_case(job: Job, threads: int, report: Report) -> None:
-    """Finish one case with ``threads`` of each transform, unless the study sets them.
-
-    ``report`` receives after each step the case's label, the point in words, a summary and the seconds it took; during
-    a long step the same with the solver's iterations and residual, and no seconds.
-    """
+    """Finish one case with ``threads`` of each transform, unless the study sets them; ``report`` every step."""
     plugins.load()
     if not job.file.parent.is_dir():
         raise CampaignError(

@@ -81,10 +81,7 @@ class Averages:
         }
 
     def step(self) -> Step:
-        """Return means with their standard errors, and the series of scalar quantities; warns if these are too short.
-
-        The last state replaces the means if the surfaces are detached. Atoms are those of the last state.
-        """
+        """Means with standard errors, and the series of scalars; of detached surfaces, and of atoms, the last state."""
         last = self._last
         assert last is not None
         report = {name: value for name, value in observed(last, self._bins).items() if name not in AVERAGED}
