@@ -9,7 +9,7 @@ the first term by the same on the coarser grid: symmetric and positive, as the a
 J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990).
 """
 
-from typing import Generic, Protocol, TypeVar
+from typing import Protocol
 
 import numpy as np
 
@@ -30,14 +30,11 @@ class Inverse(Protocol):
         """Apply the inverse to :attr:`field`; returns the inner product of field and result."""
 
 
-_Coarser = TypeVar("_Coarser", bound=Inverse)
-
-
-class HalvedInverse(Generic[_Coarser]):
+class HalvedInverse:
     """The inverse with long waves on half the resolution: finer buffer, largest stiffnesses there, and ω."""
 
     def __init__(
-        self, field: np.ndarray, coarser: _Coarser, largest: float | np.ndarray, short_waves: float = SHORT_WAVES
+        self, field: np.ndarray, coarser: Inverse, largest: float | np.ndarray, short_waves: float = SHORT_WAVES
     ):
         self.field = field
         self._coarser = coarser

@@ -114,25 +114,23 @@ def _lost_under_load(states: np.ndarray) -> dict[str, float]:
 def _last_retraction(series: PathSeries) -> np.ndarray:
     """The states of the last retraction, from its turning point."""
     points, distance = _points(series)
-    end = len(points) - 1
-    while end > 0 and distance[end] < distance[end - 1]:
-        end -= 1
-    start = end
-    while start > 0 and distance[start - 1] <= distance[start]:
-        start -= 1
-    return series.states[points[start] : points[end] + 1]
+    after, before = distance[:0:-1], distance[-2::-1]
+    back = _leading(after < before)
+    end = len(points) - 1 - back
+    return series.states[points[end - _leading(before[back:] <= after[back:])] : points[end] + 1]
 
 
 def _first_approach(series: PathSeries) -> np.ndarray:
     """The states up to the path's first turning point."""
     points, distance = _points(series)
-    start = 0
-    while start + 1 < len(points) and distance[start + 1] >= distance[start]:
-        start += 1
-    end = start
-    while end + 1 < len(points) and distance[end + 1] <= distance[end]:
-        end += 1
-    return series.states[: points[end] + 1]
+    before, after = distance[:-1], distance[1:]
+    start = _leading(after >= before)
+    return series.states[: points[start + _leading(after[start:] <= before[start:])] + 1]
+
+
+def _leading(holds: np.ndarray) -> int:
+    """Number of steps before the first that does not hold."""
+    return int(np.argmin(np.append(holds, False)))
 
 
 def _points(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:

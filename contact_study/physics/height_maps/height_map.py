@@ -18,7 +18,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import require_file
 from contact_study.inputs.units import length, quantity
 from contact_study.numerics.grid import Grid
-from contact_study.physics.height_maps.text import RawMap, line_scan, read_points, read_text, step_of
+from contact_study.physics.height_maps.text import MapError, RawMap, line_scan, read_points, read_text, step_of
 
 Channel = str | int | None
 
@@ -59,21 +59,22 @@ def read_height_map(
     try:
         raw = _read(path, channel)
         if np.iscomplexobj(raw.heights):
-            raise InputError(f"surface.path: {path} holds complex numbers; expected heights")
+            raise MapError("holds complex numbers; expected heights")
         heights = np.asarray(raw.heights, dtype=float)
+        if heights.ndim == 1 or (heights.ndim == 2 and min(heights.shape) <= 2 and max(heights.shape) >= 4):
+            raise line_scan(max(heights.shape))
+        if heights.ndim != 2 or min(heights.shape) < 4:
+            raise MapError(f"holds an array of shape {heights.shape}; expected at least 4 x 4 heights")
+        if not np.any(np.isfinite(heights)):
+            raise MapError("holds no finite numbers: all of its heights are missing")
+    except MapError as error:
+        words = str(error) if "{path}" in str(error) else f"{{path}} {error}"
+        raise InputError(f"surface.path: {words.replace('{path}', str(path))}") from None
     except InputError:
         raise
     except Exception as error:  # each format raises its own types on a damaged file
         reason = str(error).strip().partition("\n")[0]
         raise InputError(f"surface.path: {path} cannot be read ({reason})") from None
-    if heights.ndim == 1 or (heights.ndim == 2 and min(heights.shape) <= 2 and max(heights.shape) >= 4):
-        raise line_scan(path, max(heights.shape))
-    if heights.ndim != 2 or min(heights.shape) < 4:
-        raise InputError(
-            f"surface.path: {path} holds an array of shape {heights.shape}; expected at least 4 x 4 heights"
-        )
-    if not np.any(np.isfinite(heights)):
-        raise InputError(f"surface.path: {path} holds no finite numbers: all of its heights are missing")
     heights = np.where(np.isfinite(heights), heights, np.nan)
     factor = _factor(path, "height_unit", height_unit, raw.height_unit)
     said = "its file" if raw.height_unit else "surface.height_unit" if height_unit else "default"
@@ -141,7 +142,7 @@ def _chosen(
     kinds = {name: " (not a height)" if name in others else " (height)" if others else "" for name in names}
     listed = ", ".join(f"{number}: {name}{kinds[name]}" for number, name in enumerate(names))
     if not heights:
-        raise InputError(f"surface.path: {path} holds no map of heights{listed and f'; it has {listed}'}")
+        raise MapError(f"holds no map of heights{listed and f'; it has {listed}'}")
     if channel is None:
         if usual in heights or len(heights) == 1:
             return usual if usual in heights else heights[0]
@@ -175,7 +176,7 @@ def _netcdf(path: Path, channel: Channel) -> RawMap:
         for dimension in map(str, heights.dims):
             if dimension not in dataset.coords or dataset[dimension].size < 2:
                 continue
-            steps.append(step_of(path, dimension, dataset[dimension].values.astype(float)))
+            steps.append(step_of(dimension, dataset[dimension].values.astype(float)))
             if steps[-1] < 0:
                 heights = heights.isel({dimension: slice(None, None, -1)})
             units.append(_unit(dataset[dimension]))
@@ -202,7 +203,7 @@ def _gzip(path: Path, channel: Channel) -> RawMap:
         try:
             return _read(content, channel)
         except InputError as error:
-            raise InputError(str(error).replace(str(content), str(path))) from None
+            raise type(error)(str(error).replace(str(content), str(path))) from None
 
 
 def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
@@ -211,9 +212,9 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
         with _silent():  # it warns of an MPI that is not there
             from SurfaceTopography.IO import CannotDetectFileFormat, open_topography
     except ImportError:
-        raise InputError(
-            f"surface.path: {path} is in none of the formats {', '.join(READERS)} or text ({reason}); instruments' "
-            "files need pip install '.[instruments]'"
+        raise MapError(
+            f"is in none of the formats {', '.join(READERS)} or text ({reason}); instruments' files need pip install "
+            "'.[instruments]'"
         ) from None
     try:
         with _silent(), open_topography(str(path)) as reader:
@@ -222,7 +223,7 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
                 raise CannotDetectFileFormat
             maps = [one for one in reader.channels if one.dim == 2]
             if not maps and reader.channels:
-                raise line_scan(path, reader.channels[0].nb_grid_pts[0])
+                raise line_scan(reader.channels[0].nb_grid_pts[0])
             # The unit of what is no length is no text with some readers.
             lengths = {one.channel_id for one in maps if one.is_height_channel and isinstance(one.unit, str | None)}
             surfaces = {name for name in lengths if not _NO_HEIGHTS.search(name)}
@@ -234,9 +235,9 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
             heights: np.ndarray = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan).T
             unit = topography.unit
     except CannotDetectFileFormat:
-        raise InputError(
-            f"surface.path: {path} is in no format that is known ({reason}); known are text, {', '.join(READERS)} "
-            "and those of SurfaceTopography"
+        raise MapError(
+            f"is in no format that is known ({reason}); known are text, {', '.join(READERS)} and those of "
+            "SurfaceTopography"
         ) from None
     return RawMap(heights, None if sides is None else (float(sides[1]), float(sides[0])), unit, unit)
 

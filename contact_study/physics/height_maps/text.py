@@ -26,6 +26,10 @@ _SPARSEST = 4
 _NUMBER = re.compile(r"\s*[-+]?\.?\d|\s*nan\b", re.IGNORECASE)
 
 
+class MapError(InputError):
+    """What is wrong with a file of heights, in words after its name, or around ``{path}``."""
+
+
 @dataclass(frozen=True)
 class RawMap:
     """A map as its file has it; units are None where it gives none."""
@@ -41,20 +45,20 @@ def read_text(path: Path) -> RawMap:
     lines = _lines(path)
     head = "\n".join(lines[:30])
     if head.startswith("WSxM") and "ASCII XYZ" in head:
-        return _points(path, lines)
+        return _points(lines)
     if head.startswith("WSxM") and "ASCII Matrix" in head:
         size = _sides(path, head, r"^{} Amplitude:\s*(.*)$", ("Y", "X"))
         unit = re.search(r"^Z Amplitude:\s*[-+\d.eE]+\s*(\S+)", head, re.MULTILINE)
         rows = lines[1 + max(number for number, line in enumerate(lines[:30]) if "Amplitude:" in line) :]
-        return RawMap(_numbers(path, rows)[::-1], size, unit[1] if unit else None, "m")
+        return RawMap(_numbers(rows)[::-1], size, unit[1] if unit else None, "m")
     if re.match(r"\s*ncols\s", head, re.IGNORECASE):
-        return _esri(path, lines)
+        return _esri(lines)
     return _table(path, lines)
 
 
 def read_points(path: Path) -> RawMap:
     """Columns x, y and height of points in any order; errors as :func:`read_text`."""
-    return _points(path, _lines(path))
+    return _points(_lines(path))
 
 
 def _table(path: Path, lines: Sequence[str]) -> RawMap:
@@ -62,24 +66,21 @@ def _table(path: Path, lines: Sequence[str]) -> RawMap:
     head = "\n".join(line for line in lines[:30] if line.lstrip().startswith("#"))
     rows = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
     named = bool(rows) and not _NUMBER.match(rows[0])
-    if named and len(rows) > 1 and _NUMBER.match(rows[1]) and _numbers(path, rows[1:2]).shape[1] == 3:
-        return _points(path, lines)
+    if named and len(rows) > 1 and _NUMBER.match(rows[1]) and _numbers(rows[1:2]).shape[1] == 3:
+        return _points(lines)
     if rows and rows[0].lstrip()[:1] in (",", ";"):
-        raise InputError(
-            f"surface.path: {path} begins with an empty cell; leave out names of rows and columns, write nan for a "
-            "missing height"
-        )
+        raise MapError("begins with an empty cell; leave out names of rows and columns, write nan for a missing height")
     try:
-        table = _numbers(path, rows)
+        table = _numbers(rows)
     except InputError:
         raise
     except ValueError as error:
         if not named:  # no header of an instrument either: of numbers with words between them nothing is left out
-            raise InputError(f"surface.path: {path} cannot be read ({error})") from None
+            raise MapError(f"cannot be read ({error})") from None
         raise
     size = _sides(path, head, r"^#\s*(?:{}):\s*(.*)$", (_HEIGHT, _WIDTH))
     if table.shape[1] == 3 and table.shape[0] > 3 and size is None:
-        return _points(path, lines)
+        return _points(lines)
     unit = re.search(r"^#\s*Value units:\s*(\S+)", head, re.MULTILINE)
     # The comments in which Gwyddion and others export a table, whose first row is the top.
     said = size is not None or unit is not None
@@ -95,37 +96,35 @@ def _sides(path: Path, head: str, pattern: str, sides: Sequence[str]) -> tuple[f
     return y, x
 
 
-def _points(path: Path, lines: Sequence[str]) -> RawMap:
+def _points(lines: Sequence[str]) -> RawMap:
     """Columns x, y and height on an even grid, in any order; a header ``X[nm] Y[nm] Z[nm]`` gives the units."""
     first = next((number for number, line in enumerate(lines) if _NUMBER.match(line)), len(lines))
     head = "\n".join(lines[:first])
     units: list[str | None] = list(re.findall(r"[XYZ]\s*[\[(](.*?)[\])]", head, re.IGNORECASE))
     if len(units) == 3 and units[0] != units[1]:
-        raise InputError(f"surface.path: {path} has x in {units[0]} and y in {units[1]}; give both in one unit")
+        raise MapError(f"has x in {units[0]} and y in {units[1]}; give both in one unit")
     if len(units) != 3:
         said = (re.search(rf"^#\s*{key} units:\s*(\S+)", head, re.MULTILINE) for key in ("Lateral", "Value"))
         lateral, height = (one[1] if one else None for one in said)
         units = [lateral, lateral, height]
-    table = _numbers(path, lines[first:])
+    table = _numbers(lines[first:])
     if table.shape[1] < 3:
-        raise InputError(f"surface.path: {path} has {table.shape[1]} columns; points need three, x, y and height")
-    heights, size = gridded(path, table[:, :3])
+        raise MapError(f"has {table.shape[1]} columns; points need three, x, y and height")
+    heights, size = gridded(table[:, :3])
     return RawMap(heights, size, units[2], units[0])
 
 
-def _esri(path: Path, lines: Sequence[str]) -> RawMap:
+def _esri(lines: Sequence[str]) -> RawMap:
     """An ASCII grid of ESRI: columns, rows, corner, cell size and the mark of missing heights, then rows."""
     said: dict[str, float] = {}
     while re.match(r"\s*[A-Za-z_]", lines[len(said)]):
         name, number = lines[len(said)].split()
         said[name.lower()] = float(number)
-    heights = _numbers(path, lines[len(said) :])[::-1].copy()
+    heights = _numbers(lines[len(said) :])[::-1].copy()
     rows, columns = int(said.get("nrows", -1)), int(said["ncols"])
     if heights.shape != (rows, columns):
-        raise InputError(
-            f"surface.path: {path} holds {heights.shape[0]} x {heights.shape[1]} heights, its header says "
-            f"{rows} x {columns}"
-        )
+        held = "{} x {}".format(*heights.shape)
+        raise MapError(f"holds {held} heights, its header says {rows} x {columns}")
     heights[heights == said.get("nodata_value", -9999.0)] = np.nan
     return RawMap(heights, (rows * said["cellsize"], columns * said["cellsize"]))
 
@@ -139,9 +138,9 @@ def _lines(path: Path) -> list[str]:
         return content.decode("latin-1").splitlines()
 
 
-def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
+def _numbers(lines: Sequence[str]) -> np.ndarray:
     """Rows of numbers between blanks, tabs, semicolons or commas, NaN in empty places; ValueError for other things."""
-    separator, decimal = _separation(path, [line for line in lines if _NUMBER.match(line)][:30])
+    separator, decimal = _separation([line for line in lines if _NUMBER.match(line)][:30])
     if (separator, decimal) == (", ", ","):
         lines, separator = [re.sub(r",([ \t]+|$)", ";", line.rstrip()) for line in lines], ";"
     if decimal == ",":
@@ -158,11 +157,11 @@ def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
             reason = str(error).partition(";")[0]
             raise ValueError(f"it has the line {words.strip()[:_SHOWN]!r}" if words else reason) from None
     if not table.size:
-        raise InputError(f"surface.path: {path} holds no numbers")
+        raise MapError("holds no numbers")
     return table
 
 
-def _separation(path: Path, lines: Sequence[str]) -> tuple[str | None, str]:
+def _separation(lines: Sequence[str]) -> tuple[str | None, str]:
     """Separator of the numbers in these lines, None for blanks and tabs, and decimal sign; InputError if open."""
     text = "\n".join(lines)
     if ";" in text:
@@ -175,9 +174,7 @@ def _separation(path: Path, lines: Sequence[str]) -> tuple[str | None, str]:
     if inside and blank_after and "." not in text:
         return ", ", ","
     if "." not in text and not blank_after and _may_be_decimal([line.strip().strip(",").split(",") for line in lines]):
-        raise InputError(
-            f"surface.path: {path} looks like decimal commas between commas; use another separator, such as semicolons"
-        )
+        raise MapError("looks like decimal commas between commas; use another separator, such as semicolons")
     return ",", "."
 
 
@@ -200,48 +197,46 @@ def _whole(lines: Sequence[str], separator: str) -> list[str]:
     return [separator.join(cell if cell.strip() else "nan" for cell in line.split(separator)) for line in there]
 
 
-def line_scan(path: Path, points: int) -> InputError:
+def line_scan(points: int) -> MapError:
     """Make the error for a file that holds a line."""
-    return InputError(f"surface.path: {path} holds a line scan ({points} points); a map (rows x columns) is needed")
+    return MapError(f"holds a line scan ({points} points); a map (rows x columns) is needed")
 
 
-def step_of(path: Path, name: str, values: np.ndarray) -> float:
+def step_of(name: str, values: np.ndarray) -> float:
     """Find the step of evenly spaced coordinates, negative where they decrease; raise InputError for others."""
     step = (values[-1] - values[0]) / (values.size - 1)
     even = values[0] + step * np.arange(values.size)
     if not np.all(np.abs(values - even) <= _UNEVEN * abs(step)) or step == 0:
         lengths = np.abs(np.diff(values))
-        raise InputError(
-            f"surface.path: the coordinate {name} of {path} is not evenly spaced (steps from "
-            f"{lengths.min():.6g} to {lengths.max():.6g}); resample the map on an even grid"
+        raise MapError(
+            f"the coordinate {name} of {{path}} is not evenly spaced (steps from {lengths.min():.6g} to "
+            f"{lengths.max():.6g}); resample the map on an even grid"
         )
     return float(step)
 
 
-def gridded(path: Path, points: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
+def gridded(points: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
     """Arrange points (x, y, height) in any order on their grid, NaN where there is none; return it and its periods."""
     if len(points) < 4 or not np.all(np.isfinite(points[:, :2])):
-        raise InputError(f"surface.path: {path} holds {len(points)} points; expected a grid with finite x and y")
-    columns, dx = _places(path, "x", points[:, 0])
-    rows, dy = _places(path, "y", points[:, 1])
+        raise MapError(f"holds {len(points)} points; expected a grid with finite x and y")
+    columns, dx = _places("x", points[:, 0])
+    rows, dy = _places("y", points[:, 1])
     shape = (int(rows.max()) + 1, int(columns.max()) + 1)
     if shape[0] * shape[1] > _SPARSEST * len(points):
-        raise InputError(
-            f"surface.path: the {len(points)} points of {path} are scattered, on no grid; interpolate them onto one"
-        )
+        raise MapError(f"the {len(points)} points of {{path}} are scattered, on no grid; interpolate them onto one")
     if np.unique(rows * shape[1] + columns).size < len(points):
-        raise InputError(f"surface.path: {path} holds two heights for one place")
+        raise MapError("holds two heights for one place")
     heights = np.full(shape, np.nan)
     heights[rows, columns] = points[:, 2]
     return heights, (shape[0] * dy, shape[1] * dx)
 
 
-def _places(path: Path, name: str, values: np.ndarray) -> tuple[np.ndarray, float]:
+def _places(name: str, values: np.ndarray) -> tuple[np.ndarray, float]:
     """Number of each coordinate along its axis, and the spacing."""
     lowest, reach = float(values.min()), float(np.ptp(values))
     gaps = np.diff(np.unique(values))
     if gaps.size == 0:
-        raise InputError(f"surface.path: the points of {path} have one {name} only; expected at least 4")
+        raise MapError(f"the points of {{path}} have one {name} only; expected at least 4")
     gaps = gaps[gaps > 0.1 * np.median(gaps[gaps >= 0.5 * gaps.max()])]  # smaller ones are one place, rounded
     steps = round(reach / float(np.median(gaps)))
     if np.all(gaps < 1.5 * np.median(gaps)):  # no line is missing as a whole: their number is exact
@@ -250,8 +245,8 @@ def _places(path: Path, name: str, values: np.ndarray) -> tuple[np.ndarray, floa
     places = np.rint((values - lowest) / spacing).astype(int)
     off = np.abs(values - lowest - spacing * places).max() / spacing
     if off > _UNEVEN:
-        raise InputError(
-            f"surface.path: the coordinate {name} of {path} is not evenly spaced (off its place by {off:.2g} of a "
-            "step); resample the map on an even grid"
+        raise MapError(
+            f"the coordinate {name} of {{path}} is not evenly spaced (off its place by {off:.2g} of a step); resample "
+            "the map on an even grid"
         )
     return places, spacing

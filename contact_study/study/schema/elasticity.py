@@ -10,6 +10,7 @@ from contact_study.physics.solids.base import indentation_modulus, stiffnesses
 from contact_study.study.schema.keys import (
     METRES,
     PASCALS,
+    PER_METRE,
     SECONDS,
     TEXT,
     TaggedUnion,
@@ -159,9 +160,7 @@ class MeasuredSection(ElasticitySection):
     path: str | None = key(TEXT, "text table of wavenumber and stiffness K, relative to the study file", None)
     wavenumber_unit: str = key(TEXT, "unit of the wavenumbers in that table", "m^-1")
     stiffness_unit: str = key(TEXT, "unit of the stiffnesses in that table", "Pa/m")
-    wavenumber: tuple[float, ...] | None = key(
-        sequence(quantity("m^-1", positive=True)), "wavenumbers of the table, in place of path", None
-    )
+    wavenumber: tuple[float, ...] | None = key(sequence(PER_METRE), "wavenumbers of the table, in place of path", None)
     stiffness: tuple[float, ...] | None = key(
         sequence(quantity("Pa/m", positive=True)), "stiffnesses at these wavenumbers, in place of path", None
     )

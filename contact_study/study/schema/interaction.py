@@ -134,17 +134,14 @@ class CoredInteraction(MorseInteraction):
 
     def __post_init__(self):
         super().__post_init__()
-        longest, what = self._longest_core
+        longest, what = self.range, "interaction.range"
+        if (ramp := getattr(self, "ramp", None)) is not None:  # which the core would outlast
+            longest, what = ramp * self.range, "the ramp, interaction.ramp × interaction.range"
         if self.core >= longest:
             raise InputError(
                 f"interaction.core = {self.core:g} m: must be shorter than {what}, {longest:g} m, "
                 "or nothing is left of the attraction"
             )
-
-    @property
-    def _longest_core(self) -> tuple[float, str]:
-        """Length (m) below which the decay length must be, and its name."""
-        return self.range, "interaction.range"
 
 
 _RAMP = quantity("1", positive=True, maximum=0.5), "width of the end of the constant tension, over its reach", RAMP
@@ -159,13 +156,9 @@ class DugdaleInteraction(PlainAdhesion):
 
 @dataclass(frozen=True, kw_only=True)
 class DugdaleCoreInteraction(CoredInteraction):
-    """A core shorter than the ramp at the end of the tension, which it would outlast."""
+    """Keys of Dugdale's law with a core, shorter than the ramp at the end of the tension."""
 
     ramp: float = key(*_RAMP)
-
-    @property
-    def _longest_core(self) -> tuple[float, str]:
-        return self.ramp * self.range, "the ramp, interaction.ramp × interaction.range"
 
 
 @dataclass(frozen=True, kw_only=True)

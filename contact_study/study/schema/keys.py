@@ -54,7 +54,8 @@ def quantity(
     return read, unit if unit != "1" else "number"
 
 
-METRES, PASCALS, SECONDS, FACTOR = (quantity(unit, positive=True) for unit in ("m", "Pa", "s", "1"))
+METRES, PASCALS, SECONDS, FACTOR, PER_METRE = (quantity(unit, positive=True) for unit in ("m", "Pa", "s", "1", "m^-1"))
+SHARE = quantity("1", positive=True, maximum=1.0)
 
 
 def integer(minimum: int | None = None, maximum: int | None = None) -> Reader:

@@ -12,7 +12,9 @@ from contact_study.study.schema.keys import (
     FLAG,
     METRES,
     PASCALS,
+    PER_METRE,
     SECONDS,
+    SHARE,
     TEXT,
     choice,
     choices,
@@ -66,17 +68,13 @@ class LoadingSection:
     unload: bool = key(FLAG, "go back through the path after its last point", False)
     adaptive: bool = key(FLAG, "adaptive load steps: refine where the contact is unstable (continuum, adhesion)", False)
     resolution: float = key(
-        quantity("1", positive=True, maximum=1.0),
-        "least adaptive step over the largest value of the path, or over 5 lengths of the law",
-        0.01,
+        SHARE, "least adaptive step over the largest value of the path, or over 5 lengths of the law", 0.01
     )
 
     duration: float | tuple[float, ...] | None = key(
         one_or_several(SECONDS), "time to each point of the path from the previous one, or a list (viscoelastic)", None
     )
-    time_steps: int = key(
-        integer(minimum=1, maximum=1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1
-    )
+    time_steps: int = key(integer(1, 1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1)
 
     def __post_init__(self):
         si = "m" if self.control != "pressure" else "N" if is_a(self.path[0], "N") else "Pa"
@@ -118,12 +116,8 @@ class SolverSection:
         "largest residual stress over the contact modulus, less for loads below 0.001 of it",
         1e-8,
     )
-    max_iterations: int = key(
-        integer(minimum=1, maximum=2**31 - 1), "outer iterations of one step before it is flagged", 2000
-    )
-    threads: int = key(
-        integer(minimum=0, maximum=1024), "threads of one solve; 0: the cores that the cases leave idle", 0
-    )
+    max_iterations: int = key(integer(1, 2**31 - 1), "outer iterations of one step before it is flagged", 2000)
+    threads: int = key(integer(0, 1024), "threads of one solve; 0: the cores that the cases leave idle", 0)
     path: str = key(
         choice("quasi_static", "overdamped"),
         "path of the continuum: successive equilibria, or slow motion against friction",
@@ -153,8 +147,8 @@ class AtomisticSection:
         "cutoff of the pair potential in units of interaction.length",
         4.0,
     )
-    layers: int = key(integer(minimum=0, maximum=1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
-    random_seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of thermal motion", 1)
+    layers: int = key(integer(0, 1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
+    random_seed: int = key(integer(0, 2**63 - 1), "seed of thermal motion", 1)
 
 
 @dataclass(frozen=True)
@@ -164,18 +158,16 @@ class OverdampedSection:
     loading_rate: float = key(
         FACTOR, "change of mean pressure over contact modulus while the longest wave relaxes", 1e-3
     )
-    step_error: float = key(
-        quantity("1", positive=True, maximum=1.0), "error allowed to a time step, over the law's length", 0.1
-    )
+    step_error: float = key(SHARE, "error allowed to a time step, over the law's length", 0.1)
 
 
 @dataclass(frozen=True)
 class SamplingSection:
     """Thermal averages of the atoms, by Hamiltonian Monte Carlo."""
 
-    trajectories: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that count", 300)
+    trajectories: int = key(integer(2, 2**31 - 1), "states of each point that count", 300)
     equilibration: int = key(
-        integer(minimum=10, maximum=2**31 - 1), "trajectories before them, which set the time step and do not count", 50
+        integer(10, 2**31 - 1), "trajectories before them, which set the time step and do not count", 50
     )
 
 
@@ -187,7 +179,7 @@ class DynamicsSection:
     duration: float = key(SECONDS, "of each point of the path", 1e-10)
     damping: float = key(quantity("s^-1", minimum=0.0), "rate at which friction takes momentum", 0.0)
     approach_speed: float = key(quantity("m/s", minimum=0.0), "at which the block first comes down", 0.0)
-    frames: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that are looked at", 200)
+    frames: int = key(integer(2, 2**31 - 1), "states of each point that are looked at", 200)
 
 
 @dataclass(frozen=True)
@@ -204,9 +196,7 @@ class TheorySection:
         "roughness spectrum of the theories, or several; default the surface's and its target",
         None,
     )
-    wavevectors: tuple[float, ...] | None = key(
-        sequence(quantity("m^-1", positive=True)), 'spectrum "table": rising wavevectors q', None
-    )
+    wavevectors: tuple[float, ...] | None = key(sequence(PER_METRE), 'spectrum "table": rising wavevectors q', None)
     density: tuple[float, ...] | None = key(
         sequence(quantity("m^4", positive=True)), 'spectrum "table": C(q) at each, a power law between two', None
     )
@@ -218,16 +208,14 @@ class TheorySection:
     energy_weight: str = key(
         choice("paper", "wang_mueser", "area"), "weight W of the elastic energy in incomplete contact", "paper"
     )
-    beta: float = key(quantity("1", positive=True, maximum=1.0), "β of the paper's weight", 0.4)
+    beta: float = key(SHARE, "β of the paper's weight", 0.4)
     true_area: str = key(
         choice("persson", "none", "lattice"), "true over projected contact area, for the adhesion energy", "persson"
     )
     alpha: float = key(FACTOR, "α in σ_a² = α E* q γ_eff", 1.0)
     cap_detachment_stress: bool = key(FLAG, "limit σ_a to the law's largest tensile stress", False)
     magnifications: int = key(
-        integer(minimum=0, maximum=10_000),
-        "magnifications ζ at which P(σ, ζ) of Persson's theory is kept, evenly in ln ζ; 0: none",
-        0,
+        integer(0, 10_000), "magnifications ζ at which P(σ, ζ) of Persson's theory is kept, evenly in ln ζ; 0: none", 0
     )
     accuracy: float | None = key(
         FACTOR, "relative error of area and mean gap that warns, by states of half the resolution", None
@@ -287,13 +275,13 @@ class OutputSection:
     pressure_range: tuple[float, float] | None = key(
         pair(quantity("Pa"), names="[low, high]"), "range of pressure_pdf, default from modulus, slopes and law", None
     )
-    pressure_bins: int = key(integer(minimum=2, maximum=100_000), "bins of pressure_pdf", 300)
+    pressure_bins: int = key(integer(2, 100_000), "bins of pressure_pdf", 300)
     gap_range: tuple[float, float] | None = key(
         pair(quantity("m", minimum=0.0), names="[low, high]"),
         "range of gap_pdf, default from the surface's heights",
         None,
     )
-    gap_bins: int = key(integer(minimum=2, maximum=100_000), "bins of gap_pdf", 400)
+    gap_bins: int = key(integer(2, 100_000), "bins of gap_pdf", 400)
 
     def __post_init__(self):
         for name, default in (("field_steps", None), ("field_precision", "double")):

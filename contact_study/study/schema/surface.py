@@ -24,6 +24,7 @@ from contact_study.study.schema.keys import (
     FACTOR,
     METRES,
     NAME_OR_NUMBER,
+    SHARE,
     TEXT,
     TaggedUnion,
     choice,
@@ -33,7 +34,7 @@ from contact_study.study.schema.keys import (
     quantity,
 )
 
-_POINTS = pair(integer(minimum=4, maximum=2**31 - 1))
+_POINTS = pair(integer(4, 2**31 - 1))
 _SIZE = pair(METRES, broadcast=True), "lateral periods (a height map may bring its own)"
 _SHAPE = _POINTS, "points of the continuum grid (a height map may bring its own)"
 
@@ -116,7 +117,7 @@ class SelfAffine(CellSection):
     low_mode: float = key(FACTOR, "q_L in units of 2π over the longest side of size", 1.0)
     roll_off_mode: float = key(FACTOR, "q_0 in units of 2π over the longest side of size", 1.0)
     cutoff_mode: float = key(FACTOR, "q_1 in units of 2π over the longest side of size")
-    seed: int = key(integer(minimum=0), "random realisation", 1)
+    seed: int = key(integer(0), "random realisation", 1)
     normalisation: str = key(
         choice("spectrum", "realised"),
         "rms_height of the ensemble (spectrum) or exactly of each sample (realised)",
@@ -192,9 +193,7 @@ class MapFile(SurfaceSection):
         "edges: as they are, joined to mirror images (twice the sides) or faded to the mean",
         "periodic",
     )
-    window_share: float = key(
-        quantity("1", positive=True, maximum=1.0), 'share of each side over which edges = "window" fades them', 0.2
-    )
+    window_share: float = key(SHARE, 'share of each side over which edges = "window" fades them', 0.2)
     resample: tuple[int, int] | None = key(
         _POINTS, "points of the map for all models, by trigonometric interpolation", None
     )
@@ -268,7 +267,7 @@ class Wavy(CellSection):
     height_key = "surface.amplitude"
 
     amplitude: float = key(METRES, "h = amplitude·cos·cos")
-    modes: tuple[int, int] = key(pair(integer(minimum=0, maximum=2**31 - 1)), "waves along y and x", (1, 1))
+    modes: tuple[int, int] = key(pair(integer(0, 2**31 - 1)), "waves along y and x", (1, 1))
 
     def __post_init__(self):
         if self.modes == (0, 0):
