@@ -15,7 +15,7 @@ from bem_adhesion.process_zone import (
 from contact_study.campaign.memory import in_words, most_points, on_grid
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
-from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.physics.tabor import SHARE_OF_HEIGHT, longest_range, sphere_pull_off, tabor_parameter
 from contact_study.study.case import Case
 from contact_study.study.study import Study

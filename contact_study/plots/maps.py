@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap
 
 from contact_study.plots.selection import extent, is_periodic, one_state, touching
 from contact_study.plots.style import COLOURS, axes_of, length_unit, picture, pressure_unit
-from contact_study.results.observables.clusters import cluster_map
+from contact_study.results.observables.contact_map import cluster_map
 
 _NONE, _OTHERS, _CONTACT = "#ffffff", "#9a9a9a", "#010101"
 

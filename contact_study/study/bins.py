@@ -6,7 +6,7 @@ No realisation has a say: two seeds of one study have the same bins, and their d
 import numpy as np
 
 from contact_study.numerics.distributions import Bins
-from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.study.case import Case
 from contact_study.study.study import Study
 

@@ -12,8 +12,7 @@ from contact_study.physics.lattice import Lattice, lattice_of
 from contact_study.physics.laws import LAWS, TractionLaw
 from contact_study.physics.laws.lennard_jones import work_of_adhesion
 from contact_study.physics.solids import Elasticity, Viscoelastic
-from contact_study.physics.surfaces.scales import SurfaceScales
-from contact_study.physics.surfaces.surface import Surface
+from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.study.schema import sections
 from contact_study.study.schema.elasticity import ElasticitySection
 from contact_study.study.schema.interaction import InteractionSection

@@ -18,7 +18,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
 from contact_study.inputs.units import length
 from contact_study.physics.laws import LAWS
-from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.physics.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
 from contact_study.study import sweep
 from contact_study.study.case import Case

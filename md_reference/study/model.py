@@ -6,8 +6,7 @@ from contact_study.campaign.memory import Need
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
-from contact_study.physics.surfaces.scales import SurfaceScales
-from contact_study.physics.surfaces.surface import Surface
+from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.results import overdamped_path
 from contact_study.results.constants import heights_on
 from contact_study.results.observables.atoms import substrate_sites

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bem_adhesion import HardWall, rough_contact
-from contact_study.results.observables.area import AREA, OVERCOUNT, edge_sides
+from contact_study.results.observables.contact_map import AREA, OVERCOUNT, edge_sides
 from tests.results.test_clusters import contact_map
 from tests.results.test_observables import BINS, state
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact_study.results.observables.autocorrelation import RING_EDGES, RINGS, contact_autocorrelation
+from contact_study.results.observables.contact_map import RING_EDGES, RINGS, contact_autocorrelation
 
 
 def counted(contact, spacing, periodic=True):

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from contact_study.results.observables.clusters import cluster_sizes, percolates
+from contact_study.results.observables.contact_map import cluster_sizes, percolates
 
 
 def contact_map(text):

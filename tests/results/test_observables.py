@@ -7,7 +7,7 @@ from contact_study.numerics.distributions import Bins
 from contact_study.numerics.grid import Grid
 from contact_study.results.constants import heights_on
 from contact_study.results.observables import ENTRIES, OBSERVABLES, observed, recorded
-from contact_study.results.observables.area import OVERCOUNT
+from contact_study.results.observables.contact_map import OVERCOUNT
 from contact_study.results.observables.mechanics import FURTHER
 from contact_study.results.schema import VARIABLES
 from contact_study.results.state import InterfaceState, SolverReport, Step

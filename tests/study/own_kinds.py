@@ -8,8 +8,7 @@ import numpy as np
 import contact_study
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import HalfSpace
-from contact_study.physics.surfaces.scales import SurfaceScales, spectrum_of_waves
-from contact_study.physics.surfaces.surface import Surface
+from contact_study.physics.surfaces.surface import Surface, SurfaceScales, spectrum_of_waves
 from contact_study.results.state import Observable, Variable
 from contact_study.study.schema.elasticity import ElasticitySection
 from contact_study.study.schema.interaction import SmoothInteraction

@@ -11,8 +11,7 @@ import numpy as np
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Elasticity
-from contact_study.physics.surfaces.scales import SurfaceScales
-from contact_study.physics.surfaces.surface import Surface
+from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.results.schema import RESOLUTION_ERROR, quantity_of
 from contact_study.results.state import Step, Value
 from contact_study.study.case import Case

@@ -11,8 +11,7 @@ from contact_study.numerics.grid import Grid
 from contact_study.physics.height_maps import preparation
 from contact_study.physics.height_maps.height_map import HeightMap
 from contact_study.physics.roughness.statistics import Roughness, roughness_of, roughness_of_sample
-from contact_study.physics.surfaces.scales import SurfaceScales, spectrum_of_waves
-from contact_study.physics.surfaces.surface import BandLimitedSurface
+from contact_study.physics.surfaces.surface import BandLimitedSurface, SurfaceScales, spectrum_of_waves
 
 _DEGREES = {"mean": 0, "tilt": 1, "curvature": 2}
 

@@ -1,15 +1,25 @@
-"""The rigid surface of a case: one height function, which each model samples on its own points."""
+"""The rigid surface of a case: one height function, which each model samples on its own points, and its scales."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
-from contact_study.physics.roughness.spectrum import RadialSpectrum, SelfAffineSpectrum, radial_spectrum
+from contact_study.physics.roughness.spectrum import (
+    RadialSpectrum,
+    RoughnessSpectrum,
+    SelfAffineSpectrum,
+    radial_spectrum,
+)
 from contact_study.physics.roughness.statistics import Roughness, roughness_of
+from contact_study.physics.solids import Elasticity
+
+# Mean number of places per surface that stand higher, or lie lower, than the peak-to-valley height allows for.
+_RARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -66,3 +76,124 @@ class BandLimitedSurface(Surface):
     def heights(self, shape: tuple[int, int]) -> np.ndarray:
         coefficients = fourier.resize_spectrum(self.coefficients, self.native_shape, shape)
         return fourier.synthesise(coefficients, shape)
+
+
+@dataclass(frozen=True)
+class Paraboloid(Surface):
+    """h = −r²/2R around the centre of the cell, R (m): the sphere of Hertz and JKR, exact at any number of points."""
+
+    radius: float
+
+    def heights(self, shape: tuple[int, int]) -> np.ndarray:
+        y, x = Grid(shape, self.size).coordinates
+        r2 = (y[:, None] - self.size[0] / 2) ** 2 + (x[None, :] - self.size[1] / 2) ** 2
+        # The mean over the cell of r² is (Ly² + Lx²)/12: subtracted exactly, so that refining shifts nothing.
+        return ((self.size[0] ** 2 + self.size[1] ** 2) / 12 - r2) / (2 * self.radius)
+
+
+def paraboloid_waves(length: float, radius: float) -> np.ndarray:
+    """Wavenumbers and height variances of −x²/2R over a period L, shape (2, n).
+
+    The n-th harmonic has (L²/2π²n²R)²/2; one last wave has the height and slope of all that are left out.
+    """
+    n = np.arange(1.0, 101.0)
+    wavenumber = 2 * np.pi * n / length
+    variance = (length / (np.pi * n)) ** 4 / (8 * radius**2)
+    height = (length**4 / 720) / radius**2 - variance.sum()
+    slope = (length**2 / 12) / radius**2 - np.sum(wavenumber**2 * variance)
+    return np.array([np.append(wavenumber, np.sqrt(slope / height)), np.append(variance, height)])
+
+
+def gaussian_surface(
+    spectrum: SelfAffineSpectrum, size: tuple[float, float], shape: tuple[int, int], seed: int, exact_height: bool
+) -> BandLimitedSurface:
+    """Draw a Gaussian surface: independent complex amplitudes of variance ∝ C(q), in order of |q|.
+
+    The order makes the surface of a seed independent of ``shape`` and keeps its long waves when only the cutoff grows.
+    The *expected* mean square on these modes is rms_height², with ``exact_height`` that of the sample.
+    """
+    unit_y, unit_x = 2 * np.pi / size[0], 2 * np.pi / size[1]
+    # A mode on the limit belongs to the set whatever the rounding of 2π.
+    highest, lowest = spectrum.cutoff * (1 + 1e-9), spectrum.low * (1 - 1e-9)
+    rows, columns = int(highest / unit_y), int(highest / unit_x)
+    m_y, m_x = np.meshgrid(np.arange(-rows, rows + 1), np.arange(columns + 1), indexing="ij")
+    q = np.hypot(m_y * unit_y, m_x * unit_x)
+    independent = (q >= lowest) & (q <= highest) & ((m_x > 0) | (m_y > 0))
+    m_y, m_x, q = m_y[independent], m_x[independent], q[independent]
+    if q.size == 0:
+        raise InputError("surface: no mode between low_mode and cutoff_mode fits the cell")
+    order = np.lexsort((m_x, m_y, np.round(q / min(unit_y, unit_x), 9)))
+    m_y, m_x, q = m_y[order], m_x[order], q[order]
+    draws = np.random.default_rng(seed).standard_normal((q.size, 2))
+    variance = spectrum.density(np.clip(q, spectrum.low, spectrum.cutoff))
+    variance = variance * spectrum.rms_height**2 / (2 * variance.sum())  # each mode and its conjugate
+    amplitude = np.sqrt(variance / 2) * (draws[:, 0] + 1j * draws[:, 1])
+    if exact_height:
+        amplitude *= spectrum.rms_height / np.sqrt(2 * np.sum(np.abs(amplitude) ** 2))
+    native = (2 * rows + 1, 2 * columns + 1)
+    coefficients = np.zeros((native[0], columns + 1), complex)
+    coefficients[m_y % native[0], m_x] = amplitude
+    on_axis = m_x == 0
+    coefficients[-m_y[on_axis] % native[0], 0] = np.conj(amplitude[on_axis])
+    return BandLimitedSurface(size, shape, spectrum, coefficients, native)
+
+
+def gaussian_peak_to_valley(rms_height: float, rms_slope: float, area: float) -> float:
+    """Highest minus lowest point (m) that few Gaussian surfaces of an area (m²) exceed."""
+    # A Gaussian surface stands above u rms heights at (2π)^(−3/2) A (ξ²/2 h_rms²) u exp(−u²/2) places in the mean,
+    # for large u (the Euler characteristic of the region above); ξ²/2 is the variance of the slope along one axis.
+    places = area * rms_slope**2 / (2 * rms_height**2) / (2 * np.pi) ** 1.5
+    u = 3.0
+    for _ in range(20):  # a contraction of factor 1/u² where places are many
+        u = float(np.sqrt(2 * np.log(max(places * u / _RARE, np.exp(2.0)))))
+    return 2 * u * rms_height
+
+
+@dataclass(frozen=True)
+class SurfaceScales:
+    """Scales of a surface in a cell of a size (y, x; m) on the shape of the continuum grid."""
+
+    size: tuple[float, float]
+    shape: tuple[int, int]
+    rms_height: float  # (m)
+    rms_slope: float  # √<|∇h|²>
+    peak_to_valley: float  # highest minus lowest point (m); of a random surface one that few realisations exceed
+    shortest_wave: float  # wavelength of the finest roughness (m), infinite if there is none
+    spectrum: RoughnessSpectrum | None = field(default=None, compare=False)  # waves of these heights and slopes
+    lost: tuple[float, float] | None = None  # height and slope of a map on a shape that cannot carry all of its waves
+    measured: Roughness | None = field(default=None, compare=False)  # a map from a file, repeated
+    unit: str = ""  # of the heights of a map, and its source
+    apex_curvature: float | None = None  # of a surface that is one asperity, whose waves are those of its edges (1/m)
+
+    @property
+    def pixel(self) -> float:
+        """Largest grid spacing (m)."""
+        return max(Grid(self.shape, self.size).spacing)
+
+    @property
+    def grid_waves(self) -> tuple[float, float]:
+        """Wavelengths of the longest and of the shortest wave along an axis of the grid (m)."""
+        return max(self.size), 2 * min(Grid(self.shape, self.size).spacing)
+
+    @property
+    def rms_curvature(self) -> float:
+        """Root mean square of the mean curvature, half of the rms Laplacian (1/m)."""
+        if self.apex_curvature is not None:
+            return self.apex_curvature
+        if self.measured is not None:
+            return self.measured.sample.rms_curvature
+        return 0.0 if self.spectrum is None else self.spectrum.rms_laplacian / 2
+
+    def full_contact_stress(self, solid: Elasticity) -> float:
+        """Deviation of the stress that a solid feels in full contact, of a half-space E* ξ / 2 (Pa)."""
+        if self.spectrum is None:
+            return 0.0
+        return float(np.sqrt(self.spectrum.full_contact_stress_variance(solid.stiffness)))
+
+
+def spectrum_of_waves(wavenumber: np.ndarray, variance: np.ndarray) -> RadialSpectrum | None:
+    """Collect waves of |q| (1/m) and variance (m²) in eighths of an octave of their height and slope."""
+    band = np.floor(8 * np.log2(wavenumber / wavenumber.min()) + 1e-6).astype(int)
+    heights, slopes = np.bincount(band, variance), np.bincount(band, wavenumber**2 * variance)
+    present = heights > 0
+    return RadialSpectrum(np.sqrt(slopes[present] / heights[present]), heights[present]) if present.any() else None

@@ -7,9 +7,7 @@ Quantities of a whole path are in :mod:`~contact_study.results.path_results`, th
 from dataclasses import replace
 
 from contact_study.numerics.distributions import Bins
-from contact_study.results.observables.area import AREA
-from contact_study.results.observables.autocorrelation import AUTOCORRELATION
-from contact_study.results.observables.clusters import CLUSTERS
+from contact_study.results.observables.contact_map import AREA, AUTOCORRELATION, CLUSTERS
 from contact_study.results.observables.mechanics import FURTHER, MECHANICS, SOLVER_REPORT
 from contact_study.results.state import InterfaceState, Observable, Step, Value, Variable
 

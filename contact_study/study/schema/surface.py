@@ -12,14 +12,16 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, TabulatedSpectrum
 from contact_study.physics.surfaces.measured import MapPreparation, MeasuredMap, MeasuredSurface
-from contact_study.physics.surfaces.scales import SurfaceScales, spectrum_of_waves
-from contact_study.physics.surfaces.shapes import (
+from contact_study.physics.surfaces.surface import (
+    BandLimitedSurface,
     Paraboloid,
+    Surface,
+    SurfaceScales,
     gaussian_peak_to_valley,
     gaussian_surface,
     paraboloid_waves,
+    spectrum_of_waves,
 )
-from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface
 from contact_study.study.schema.keys import (
     FACTOR,
     METRES,
