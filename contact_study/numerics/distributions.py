@@ -16,10 +16,7 @@ def probability_density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 
 def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:
-    """Transfer a density, shape (..., n), to other bins, taken as constant within each of the old ones.
-
-    The integral between edges of both sets is exact; elsewhere its error is the content of one bin.
-    """
+    """Transfer a density, shape (..., n), constant within each bin, to other bins; exact between edges of both sets."""
     cumulative = np.cumsum(density * np.diff(edges), axis=-1)
     cumulative = np.concatenate([np.zeros((*cumulative.shape[:-1], 1)), cumulative], axis=-1)
     on_new = np.apply_along_axis(lambda row: np.interp(new_edges, edges, row), -1, cumulative)

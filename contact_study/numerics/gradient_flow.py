@@ -1,12 +1,9 @@
 """Overdamped motion under a slowly changing load: η du/dt = −∂E/∂u until all is at rest.
 
-Every degree of freedom has the same friction η: the motion is the steepest descent of E in the plain sum of squares
-over all points, and the state behind a jump depends on that choice. Time is in units of η over that of stiffness.
-
-A step is implicit Euler's: u_{n+1} minimises E(u) + |u − u_n|²/2τ at the load of its end, so that there the energy
-never rises. Its local error, ½τ²ü, is the distance to the point that the velocity before leads to, times
-τ/(τ + τ_before) (K. E. Brenan, S. L. Campbell and L. R. Petzold, Numerical Solution of Initial-Value Problems in
-Differential-Algebraic Equations, 1989, for the lowest order), and decides on τ.
+Every degree of freedom has the same friction η, on which the state behind a jump depends; time is in units of η over
+that of stiffness. A step is implicit Euler's: u_{n+1} minimises E(u) + |u − u_n|²/2τ at the load of its end. Its local
+error, ½τ²ü, is the distance to the point that the velocity before leads to, times τ/(τ + τ_before) (K. E. Brenan,
+S. L. Campbell and L. R. Petzold, Numerical Solution of Initial-Value Problems in DAEs, 1989), and decides on τ.
 """
 
 from collections.abc import Iterator

@@ -30,10 +30,7 @@ def sphere_pull_off(radius: float, contact_modulus: float, work_of_adhesion: flo
 
 
 def longest_range(rms_curvature: float, rms_height: float, contact_modulus: float, work_of_adhesion: float) -> float:
-    """Calculate the longest range of a law that leaves a contact JKR-like, to two digits, rounded down (m).
-
-    Raises ValueError if the surface is flat, or the range is shorter than that of any interaction.
-    """
+    """Calculate the longest range (m) of JKR-like contacts, to two digits below; ValueError if flat or not soft."""
     if not rms_curvature > 0:
         raise ValueError("a flat surface has no curvature to compare a range with")
     longest = tabor_parameter(1 / rms_curvature, contact_modulus, work_of_adhesion, JKR_LIKE)

@@ -1,7 +1,4 @@
-"""The loading path by overdamped motion, which both simulations share; each gives its own forces.
-
-The mean pressure changes from point to point at a steady rate and is then held until the contact is at rest.
-"""
+"""The loading path by overdamped motion, which both simulations share; each gives its own forces."""
 
 import math
 from collections.abc import Iterator, Mapping

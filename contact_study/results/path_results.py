@@ -1,7 +1,6 @@
-"""Results of a whole path: pull-off, jump-in, work of separation.
+"""Results of the equilibrium states that a path passes: pull-off, jump-in, work of separation.
 
-They follow from the equilibrium states that the path passes: mean pressure p, mean separation s, energy U per area.
-Between two states the load does the work −∫p ds; a branch stores all of it, a jump does not.
+Between two states the load does the work −∫p ds per area; a branch stores all of it as energy, a jump does not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -50,8 +49,7 @@ class PathSeries:
 def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the work that the energy does not account for, by the trapezoidal rule, and the exchanged work (J/m²).
 
-    ``before`` and ``after``, shape (..., 3), are mean pressure (Pa), mean separation (m) and energy (J/m²) of two
-    states.
+    Of two states, shape (..., 3), of mean pressure (Pa), mean separation (m) and energy (J/m²).
     """
     way = 0.5 * (after[..., 1] - before[..., 1])
     work = -(before[..., 0] + after[..., 0]) * way

@@ -1,12 +1,8 @@
-"""Schema of all datasets: names, dimensions, units and meanings.
+"""Schema of all datasets: names, dimensions, units and meanings; here those of the campaign and of the theories.
 
-Observables of a simulation, constants of a case and results of a path have their entries beside their formulas; this
-file has the entries of the campaign and of the theories. Distributions are on ``gap_bin`` and ``pressure_bin``, as a
-dataset cannot hold a field and a dimension of one name.
-
-A dataset may hold several theories: their quantities are on the dimension ``theory``, those of the metastable branches
-in the group ``metastable`` also on ``metastable_branch``. A model labels a quantity by its key, ``"gap_flow/mean_gap"``
-or ``"gap_flow/loading/mean_gap"``. A theory on another than the first spectrum of the study is ``"gap_flow@surface"``.
+Distributions are on ``gap_bin`` and ``pressure_bin``, as a dataset cannot hold a field and a dimension of one name.
+A model labels a quantity by its key: ``"gap_flow/mean_gap"`` is on the dimension ``theory``, and
+``"gap_flow/loading/mean_gap"`` in the group ``metastable`` also on ``metastable_branch``.
 """
 
 from dataclasses import replace

@@ -55,11 +55,7 @@ class SolverReport:
 
 
 def usable(record: Any) -> Any:
-    """Whether a state is converged and in contact: the one rule for every record of states.
-
-    Of the ``record``, a dataset or a mapping of arrays or numbers, the quantities ``relative_contact_area``,
-    ``converged`` and ``detached`` count where present.
-    """
+    """Whether a state is converged and in contact, of a dataset or mapping, as far as it says: the one rule for all."""
     there: Any = np.True_
     if "relative_contact_area" in record:
         there = ~np.isnan(record["relative_contact_area"])

@@ -12,10 +12,7 @@ from contact_study.study.study import Study
 
 
 def bins_of(study: Study) -> Bins:
-    """The bins of a study's distributions, one set for all of its cases.
-
-    Raises InputError if a height map cannot be used.
-    """
+    """The bins of a study's distributions, one set for all of its cases; InputError if a height map cannot be used."""
     ranges = (_ranges(case, scale) for case, scale in zip(study.cases, study.scales, strict=True))
     tension, compression, gap = (max(values) for values in zip(*ranges, strict=True))
     output = study.cases[0].output

@@ -198,10 +198,7 @@ class Case:
 
     @property
     def least_step(self) -> float | None:
-        """Least step of an adaptive path, in its unit; None for other paths.
-
-        The trapezoidal rule is exact along a branch for the shorter steps of a gap or an approach.
-        """
+        """Least step of an adaptive path, in its unit; None for other paths."""
         if not (self.loading.adaptive and self.law.attracts):
             return None
         largest = max(map(abs, self.loading.path))

@@ -1,7 +1,6 @@
 """Warnings of a study before it runs: implausible values, suspicious height maps, keys without effect.
 
-Every criterion is a ratio of the study's scales, or a size that no useful surface has. Errors of single keys are raised
-by their sections; the models add what only they need.
+Every criterion is a ratio of the study's scales, or a size that no useful surface has.
 """
 
 import dataclasses

@@ -15,10 +15,7 @@ PathPoint = tuple[str, int, int]  # prescribed value to twelve digits, 1 on the 
 
 
 def path_points(prescribed: Iterable[float], unloading: Iterable[int]) -> list[PathPoint | None]:
-    """Name the points of a path, by which they are found in another; None where it is padded.
-
-    ``prescribed`` is NaN beyond the end of the path, ``unloading`` 1 at each point on the way back.
-    """
+    """Name the points of a path; None where it is padded, by NaN. ``unloading`` is 1 at each point on the way back."""
     visits: Counter[tuple[str, int]] = Counter()
     points: list[PathPoint | None] = []
     for value, back in zip(prescribed, unloading, strict=True):

@@ -1,7 +1,4 @@
-"""A study file: read, checked and expanded into cases.
-
-A :class:`Study` is the file, a :class:`~contact_study.study.case.Case` one point of its sweep.
-"""
+"""A study file: read, checked and expanded into cases."""
 
 import math
 import tomllib
@@ -207,11 +204,7 @@ def _case(
 def _with_length(
     interaction: Mapping[str, Any], bound: Mapping[str, Any], scales: Callable[[], SurfaceScales]
 ) -> dict[str, Any]:
-    """Replace ``length = "auto"`` of an interaction by the longest that leaves contacts JKR-like.
-
-    ``bound`` holds the sections of material and elasticity, ``scales`` gives the scales of the surface. Raises
-    InputError if nothing attracts, adhesion is not given as its work, the surface is flat or cannot be read.
-    """
+    """Replace ``length = "auto"`` by the longest that leaves contacts JKR-like; ``bound`` has the other sections."""
     given = dict(interaction)
     if given.get("length") != AUTO:
         return given

@@ -33,8 +33,7 @@ _ROUNDING = 1e-20  # of the largest power: what a transform leaves of waves that
 def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, str]]) -> list[list[float]]:
     """Read the columns of a text table, between blanks, tabs or commas, in SI; ``#`` begins a comment.
 
-    ``name`` is the key that names the file; ``column_units`` gives for each column the key of its unit, that unit and
-    the SI unit.
+    ``name`` is the key of the file; ``column_units`` has the key of each column's unit, that unit and the SI unit.
     """
     lines = [(number, line.split("#")[0]) for number, line in enumerate(_text_of(path, name).splitlines(), 1)]
     rows = [(number, line) for number, line in lines if line.strip()]
@@ -92,10 +91,9 @@ def _text_of(path: Path, name: str) -> str:
 def with_columns(
     table: Mapping[str, Any], section: str, columns: Mapping[str, tuple[str, str, str]], directory: Path
 ) -> dict[str, Any]:
-    """Replace the key ``path`` of a section by the columns of the file that it names.
+    """Replace the key ``path`` of a section by the columns of the file that it names: a study holds all its numbers.
 
-    A study then contains all that decides its numbers. ``columns`` gives for each column's key the key of its unit, the
-    default unit and the SI unit.
+    ``columns`` gives for each column's key the key of its unit, the default unit and the SI unit.
     """
     if not isinstance(table.get("path"), str):
         return dict(table)

@@ -24,10 +24,7 @@ def detrended(heights: np.ndarray, degree: int) -> np.ndarray:
 
 
 def filled(heights: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
-    """Fill missing heights (NaN) by the harmonic function that continues those around them.
-
-    Each is the mean of its four neighbours, weighted by 1/spacing²; the slope across an edge of the map is zero.
-    """
+    """Fill missing heights (NaN) by the harmonic function that continues those around them, of no slope at the edges."""
     missing = ~np.isfinite(heights)
     count = int(missing.sum())
     if count == 0:
@@ -64,10 +61,7 @@ def mirrored(heights: np.ndarray) -> np.ndarray:
 
 
 def windowed(heights: np.ndarray, share: float) -> np.ndarray:
-    """Fade heights to their mean over a share of each side, by a tapered cosine (Tukey) window along each axis.
-
-    F. J. Harris, Proc. IEEE 66, 51 (1978).
-    """
+    """Fade heights to their mean over a share of the sides by Tukey windows (F. J. Harris, Proc. IEEE 66, 51 (1978))."""
     from scipy.signal.windows import tukey  # slow to import
 
     rows, columns = (tukey(n, share, sym=False) for n in heights.shape)

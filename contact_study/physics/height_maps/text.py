@@ -27,7 +27,7 @@ _NUMBER = re.compile(r"\s*[-+]?\.?\d|\s*nan\b", re.IGNORECASE)
 
 
 class MapError(InputError):
-    """What is wrong with a file of heights, in words after its name, or around ``{path}``."""
+    """A fault of a file of heights, in words after its name, or around ``{path}``."""
 
 
 @dataclass(frozen=True)

@@ -176,11 +176,10 @@ def law_through(
 def self_affine_fit(spectrum: PowerSpectrum, limits: tuple[float, float] | None = None) -> SelfAffineFit | None:
     """Fit the self-affine law of a spectrum by likelihood, each wave's power being exponentially distributed about C.
 
-    That is the distribution of |h_q|² on a Gaussian surface (Whittle's likelihood); a band counts as no more waves than
-    its C is known by, see ``_DEPARTURE``. Beyond the cutoff C is another power law. Roll-off and cutoff (1/m), where
-    not given, are those of the largest likelihood, taken for real only where they raise it by more than their number
-    asks for (Schwarz' criterion). H and its uncertainty are mean and deviation over all limits, the likelihood widened
-    by its deviance over degrees of freedom. None for less than an octave, of unknown limits two, or no power.
+    Whittle's likelihood; a band counts as no more waves than its C is known by (``_DEPARTURE``), beyond the cutoff C is
+    another power law. Limits (1/m) that are not given are the likeliest, where Schwarz' criterion takes them for real.
+    H and its uncertainty are mean and deviation over all limits, the likelihood widened by its deviance over degrees of
+    freedom. None for less than an octave, of unknown limits two, or no power.
     """
     q, known = spectrum.wavevectors, limits is not None
     octaves = 1 if known else 2

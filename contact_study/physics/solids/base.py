@@ -327,10 +327,7 @@ class Layered(Elasticity):
 
 
 def stiffnesses(modulus: float, ratio: float, axial_modulus: float, axial_ratio: float) -> tuple[float, float, float]:
-    """Calculate C₁₁, C₁₃ and C₃₃ of a transversely isotropic solid by moduli (Pa) and ratios in the plane and axial.
-
-    Raises ValueError if no elastic solid has them: its energy would not be positive.
-    """
+    """Calculate C₁₁, C₁₃, C₃₃ by moduli (Pa) and ratios, in the plane and axial; ValueError if no solid has them."""
     coupling = modulus / axial_modulus * axial_ratio**2
     rest = 1 - ratio - 2 * coupling
     if not rest > 0:

@@ -1,8 +1,4 @@
-"""Quantities that are read off the state of a simulation: one file per subject, with formula and dataset entry.
-
-Quantities of a whole path are in :mod:`~contact_study.results.path_results`, those of a case in
-:mod:`~contact_study.results.constants`, those of the theories in :mod:`~contact_study.results.schema`.
-"""
+"""Quantities that are read off the state of a simulation: one file per subject, with formula and dataset entry."""
 
 from dataclasses import replace
 
@@ -27,10 +23,7 @@ def observed(state: InterfaceState, bins: Bins) -> dict[str, Value]:
 
 
 def recorded(point: InterfaceState | Step, bins: Bins, fields: bool = False) -> Step:
-    """The step of a state, or of quantities of theories, every distribution on the bins.
-
-    ``fields`` says whether to keep the fields of a state; its atoms are always kept.
-    """
+    """The step of a state, with its fields if asked, or of quantities of theories, every distribution on the bins."""
     if isinstance(point, InterfaceState):
         kept = {"gap": point.gap, "pressure": point.pressure} if fields else {}
         if fields and point.plastic_indentation is not None:

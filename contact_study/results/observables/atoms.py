@@ -45,11 +45,7 @@ SITES: dict[str, Variable] = {
 def surface_atoms(
     displacement: np.ndarray, stress: np.ndarray, velocity: np.ndarray | None = None
 ) -> dict[str, np.ndarray]:
-    """Return the fields of the bottom layer's atoms by name, of arrays of shape (3, ny, nx).
-
-    Displacement along x and y and height over the substrate's mean plane (m), force of the substrate on each atom over
-    its area (Pa), and the velocity of atoms in motion (m/s).
-    """
+    """Return the bottom layer's positions (m), stresses (Pa) and velocities (m/s), shape (3, ny, nx) each, by name."""
     given = [*displacement, *stress, *(() if velocity is None else velocity)]
     return {name: np.array(field) for name, field in zip(ATOMS, given, strict=False)}
 
@@ -61,9 +57,6 @@ def block_nodes(position: np.ndarray, velocity: np.ndarray) -> dict[str, np.ndar
 
 
 def substrate_sites(heights: np.ndarray, size: tuple[float, float]) -> Mapping[str, Value]:
-    """Return heights, shape (site_y, site_x), and positions of the substrate's sites in a cell of a size (m), by name.
-
-    Site (0, 0) is at the origin, like atom (0, 0) at rest.
-    """
+    """Return heights, shape (site_y, site_x), and positions of the substrate's sites (m) by name, the first at zero."""
     y, x = Grid((heights.shape[0], heights.shape[1]), size).coordinates
     return {"site_y": y, "site_x": x, "substrate_height": heights}

@@ -1,7 +1,4 @@
-"""Means, distributions and energies of a state, what only its model has, and the work of the solver.
-
-Counts of work do not depend on the machine.
-"""
+"""Means, distributions and energies of a state, what only its model has, and the work of the solver."""
 
 import math
 from dataclasses import asdict

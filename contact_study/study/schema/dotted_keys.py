@@ -1,7 +1,4 @@
-"""The sections that a study file may have, and their keys by dotted names, such as ``interaction.length``.
-
-Keys given on the command line, in place of the file's, and numbers of the file without a unit.
-"""
+"""The sections that a study file may have, and their keys by dotted names, such as ``interaction.length``."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -112,10 +109,7 @@ def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
 
 
 def bare_numbers(table: Mapping[str, Any]) -> tuple[str, ...]:
-    """A line on the keys of a study file, checked, whose numbers are taken in SI for want of a unit, if there are.
-
-    A person who writes 2 seldom means 2 Pa.
-    """
+    """A line on the keys of a checked study file whose numbers are taken in SI for want of a unit, if there are."""
     given = [(f"{section}.{name}", value) for section in SECTIONS for name, value in table.get(section, {}).items()]
     for part in (table.get("sweep", {}), *table.get("override", [])):
         given += [(dotted, value) for dotted, value in part.items() if dotted != "when"]

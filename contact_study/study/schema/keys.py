@@ -1,8 +1,4 @@
-"""Keys of a study file: how each is read, checked and described, in one declaration beside the dataclass field.
-
-A section of the study file is a frozen dataclass whose fields carry a :class:`Key`; :func:`bind` turns a TOML table
-into the dataclass and names the culprit of any mistake; the commands' ``--help`` is made from the same declarations.
-"""
+"""Keys of a study file: how each is read, checked and described, in one declaration beside the dataclass field."""
 
 import contextlib
 import dataclasses
@@ -192,10 +188,7 @@ def _number(text: str) -> Any:
 
 @dataclass(frozen=True)
 class TaggedUnion:
-    """A section of the study file whose keys depend on one of them: a dataclass for each kind.
-
-    Kinds may share keys; one name is then one meaning.
-    """
+    """A section whose keys depend on one of them: a dataclass for each kind. Kinds may share keys of one meaning."""
 
     tag: str  # key that names the kind; every dataclass has it as a field
     declared: dict[str, Any]  # dataclass of each kind
