@@ -20,12 +20,10 @@ class Grid:
 
     @property
     def points(self) -> int:
-        """Number of points."""
         return self.shape[0] * self.shape[1]
 
     @property
     def spectrum_shape(self) -> tuple[int, int]:
-        """Shape of a real transform on this grid."""
         return self.shape[0], self.shape[1] // 2 + 1
 
     @property

@@ -36,9 +36,7 @@ def longest_range(rms_curvature: float, rms_height: float, contact_modulus: floa
     longest = tabor_parameter(1 / rms_curvature, contact_modulus, work_of_adhesion, JKR_LIKE)
     longest = min(longest, SHARE_OF_HEIGHT * rms_height)
     if longest < ATOMIC:
-        raise ValueError(
-            f"this body is not soft: a range that leaves its contacts JKR-like, {longest:.2g} m, is below atomic "
-            "distances"
-        )
+        what = f"a range that leaves its contacts JKR-like, {longest:.2g} m"
+        raise ValueError(f"this body is not soft: {what}, is below atomic distances")
     digits = 10 ** (np.floor(np.log10(longest)) - 1)
     return float(f"{np.floor(longest / digits * (1 + 1e-12)) * digits:.1e}")

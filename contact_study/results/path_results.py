@@ -42,7 +42,6 @@ class PathSeries:
 
     @property
     def has_energy(self) -> bool:
-        """Whether the energy of the states is known."""
         return self.states.shape[1] > _ENERGY
 
 

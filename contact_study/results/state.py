@@ -127,12 +127,10 @@ class Variable:
 
     @property
     def dtype(self) -> Any:
-        """Type in memory."""
         return {"float": np.float64, "count": np.int32, "flag": np.int8, "text": object}[self.kind]
 
     @property
     def encoding(self) -> dict[str, Any]:
-        """Encoding in the file."""
         if self.kind == "text":
             return {}
         if self.kind == "flag":  # integers for the reader too; "absent" is one of the flag's values

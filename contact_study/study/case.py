@@ -149,7 +149,6 @@ class Case:
 
     @cached_property
     def scales(self) -> SurfaceScales:
-        """Scales of the surface, calculated once."""
         return self.surface.scales(self.directory)
 
     @cached_property
@@ -174,7 +173,6 @@ class Case:
 
     @cached_property
     def law(self) -> TractionLaw:
-        """The traction-separation law."""
         return self.interaction.make_law(self.work_of_adhesion)
 
     @property
@@ -214,7 +212,6 @@ class Case:
 
     @cached_property
     def lattice(self) -> Lattice:
-        """The lattices of the atoms."""
         return lattice_of(self.surface.cell(self.directory), self.material.lattice_constant)
 
     @property

@@ -39,7 +39,6 @@ class Study:
 
     @property
     def title(self) -> str:
-        """The study's title."""
         return self.cases[0].study.title
 
     @cached_property
@@ -53,7 +52,6 @@ class Study:
 
     @property
     def toml(self) -> str:
-        """The whole input as TOML text."""
         return tomli_w.dumps(self.table)
 
 

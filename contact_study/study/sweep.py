@@ -79,8 +79,8 @@ def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list
         merged.append(one)
     for section, declared in SECTIONS.items():
         if isinstance(declared, TaggedUnion):
-            own = declared.without_others([one[section] for one in merged])
-            merged = [{**one, section: content} for one, content in zip(merged, own, strict=True)]
+            for one, own in zip(merged, declared.without_others([one[section] for one in merged]), strict=True):
+                one[section] = own
     return merged
 
 

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from contact_study.inputs import units
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
 from contact_study.physics.roughness.spectrum import TabulatedSpectrum
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 # Letters of a line that a message shows.
 _SHOWN = 40
@@ -41,10 +38,8 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, s
         raise InputError(f"{name}: {path} is empty; expected {len(column_units)} columns of numbers")
     table = _numbers_of(rows, f"{name}: {path}", r"[\s,]+")
     if table.shape[1] != len(column_units) or not np.all(np.isfinite(table)):
-        raise InputError(
-            f"{name}: {path} holds a table of shape {table.shape}; expected {len(column_units)} columns of finite "
-            "numbers"
-        )
+        expected = f"expected {len(column_units)} columns of finite numbers"
+        raise InputError(f"{name}: {path} holds a table of shape {table.shape}; {expected}")
     columns = []
     for column, (key, unit, si) in zip(table.T, column_units, strict=True):
         try:
@@ -72,10 +67,8 @@ def _numbers_of(rows: Sequence[tuple[int, str]], where: str, separator: str) -> 
                 "# before them, and part columns by blanks, tabs or commas"
             ) from None
         if len(words) != len(table[0]):
-            raise InputError(
-                f"{where} is no table of numbers: line {number} has {len(words)} of them, line {first} has "
-                f"{len(table[0])}"
-            )
+            counts = f"line {number} has {len(words)} of them, line {first} has {len(table[0])}"
+            raise InputError(f"{where} is no table of numbers: {counts}")
     return np.array(table, ndmin=2)
 
 
@@ -176,29 +169,25 @@ def _columns(path: Path, key: str, given: Sequence[Any]) -> tuple[np.ndarray, np
     where = f"{key}: {path}"
     columns, said = _netcdf(path, where) if path.suffix.lower() == ".nc" else _text(path, key, where)
     q, density = (
-        column * _factor(where, name, own, asked, si)
-        for column, name, own, asked, si in zip(columns, _NAMES, said, given, _SI, strict=True)
+        column * _factor(where, *about)
+        for column, *about in zip(columns, _NAMES, _UNIT_KEYS, said, given, _SI, strict=True)
     )
     return _checked(where, q, density)
 
 
-def _factor(where: str, name: str, own: str | None, asked: Any, si: str) -> float:
+def _factor(where: str, name: str, key: str, own: str | None, asked: Any, si: str) -> float:
     """Size of a column's unit in SI."""
     if own is None and asked is None:
-        keys = dict(zip(_NAMES, _UNIT_KEYS, strict=True))
         raise InputError(
-            f'{where} does not say the unit of its {name}; give a header, "q (1/m), C (m^4)", or theory.{keys[name]}'
+            f'{where} does not say the unit of its {name}; give a header, "q (1/m), C (m^4)", or theory.{key}'
         )
-    sizes = [units.quantity(f"1 {_spelt(unit)}", si, f"{where}, unit of {name}") for unit in (own, asked) if unit]
+    # As keys spell it: 1/m and m-1 are m^-1, m4 is m^4.
+    words = [re.sub(r"^1\s*/\s*([^\W\d]+)$", r"\1^-1", str(unit).strip()) for unit in (own, asked) if unit]
+    spelt = [re.sub(r"([^\W\d])(-?\d+)", r"\1^\2", word) for word in words]
+    sizes = [units.quantity(f"1 {unit}", si, f"{where}, unit of {name}") for unit in spelt]
     if len(sizes) > 1 and not math.isclose(*sizes, rel_tol=1e-9):
         raise InputError(f"{where}: its {name} is in {own}, the study says {asked}")
     return sizes[0]
-
-
-def _spelt(unit: Any) -> str:
-    """A unit as keys spell it: 1/m and m-1 are m^-1, m4 is m^4."""
-    words = re.sub(r"^1\s*/\s*([^\W\d]+)$", r"\1^-1", str(unit).strip())
-    return re.sub(r"([^\W\d])(-?\d+)", r"\1^\2", words)
 
 
 def _text(path: Path, key: str, where: str) -> tuple[np.ndarray, list[str | None]]:
@@ -241,25 +230,17 @@ def _netcdf(path: Path, where: str) -> tuple[np.ndarray, list[str | None]]:
         raise
     except Exception as error:  # of a dozen types, of a file that is damaged
         raise InputError(f"{where} is no NetCDF file ({str(error).partition(chr(10))[0]})") from None
-    density = _spectrum_in(dataset, where)
-    axis = dataset[density.dims[0]]
-    there = np.isfinite(axis.values)  # surfaces of fewer wavevectors are padded
-    return np.stack([axis.values, density.values])[:, there], [
-        variable.attrs.get("units") for variable in (axis, density)
-    ]
-
-
-def _spectrum_in(dataset: "xr.Dataset", where: str) -> "xr.DataArray":
     names = [_OWN] if _OWN in dataset else [str(name) for name, values in dataset.items() if values.squeeze().ndim == 1]
     if len(names) != 1:
         raise InputError(f"{where} holds {len(names)} variables on one dimension ({', '.join(names)}); expected one")
     density = dataset[names[0]].squeeze(drop=True)
     if density.ndim != 1 or density.dims[0] not in dataset.coords:
-        raise InputError(
-            f"{where}: {names[0]} stands on {', '.join(map(str, density.dims))}; expected one spectrum on its "
-            "wavevectors"
-        )
-    return density
+        on = ", ".join(map(str, density.dims))
+        raise InputError(f"{where}: {names[0]} stands on {on}; expected one spectrum on its wavevectors")
+    axis = dataset[density.dims[0]]
+    there = np.isfinite(axis.values)  # surfaces of fewer wavevectors are padded
+    said = [variable.attrs.get("units") for variable in (axis, density)]
+    return np.stack([axis.values, density.values])[:, there], said
 
 
 def _checked(where: str, q: np.ndarray, density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -43,7 +43,6 @@ class HeightMap:
 
     @property
     def grid(self) -> Grid:
-        """Its points."""
         return Grid((self.heights.shape[0], self.heights.shape[1]), self.size)
 
 

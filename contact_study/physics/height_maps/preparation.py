@@ -24,7 +24,7 @@ def detrended(heights: np.ndarray, degree: int) -> np.ndarray:
 
 
 def filled(heights: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
-    """Fill missing heights (NaN) by the harmonic function that continues those around them, of no slope at the edges."""
+    """Fill missing heights (NaN) by the harmonic function that continues those around, of no slope at the edges."""
     missing = ~np.isfinite(heights)
     count = int(missing.sum())
     if count == 0:
@@ -61,7 +61,7 @@ def mirrored(heights: np.ndarray) -> np.ndarray:
 
 
 def windowed(heights: np.ndarray, share: float) -> np.ndarray:
-    """Fade heights to their mean over a share of the sides by Tukey windows (F. J. Harris, Proc. IEEE 66, 51 (1978))."""
+    """Fade heights to their mean over a share of sides by Tukey windows (F. J. Harris, Proc. IEEE 66, 51 (1978))."""
     from scipy.signal.windows import tukey  # slow to import
 
     rows, columns = (tukey(n, share, sym=False) for n in heights.shape)

@@ -36,7 +36,6 @@ class Surface(ABC):
 
     @property
     def grid(self) -> Grid:
-        """The continuum grid."""
         return Grid(self.shape, self.size)
 
     @cached_property

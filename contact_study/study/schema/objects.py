@@ -48,9 +48,8 @@ def _object(section: Any, tag: str, kind: type) -> tuple[Any, dict[str, Any]]:
 
 
 def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> dict[str, Any]:
-    for name in beside:
-        if name in own:
-            raise InputError(f"{section}.{name}: the object in this section has its own; leave it out")
+    if twice := [name for name in beside if name in own]:
+        raise InputError(f"{section}.{twice[0]}: the object in this section has its own; leave it out")
     return {**own, **beside}
 
 
