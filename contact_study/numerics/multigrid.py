@@ -38,9 +38,8 @@ class HalvedInverse:
     ):
         self.field = field
         self._coarser = coarser
-        self._components, self._coarse_components = (
-            buffer.reshape(-1, *buffer.shape[-2:]) for buffer in (field, coarser.field)
-        )
+        self._components = field.reshape(-1, *field.shape[-2:])
+        self._coarse_components = coarser.field.reshape(-1, *coarser.field.shape[-2:])
         self._short = np.atleast_1d(short_waves / largest).astype(np.float32)
 
     def apply_and_sum(self) -> float:

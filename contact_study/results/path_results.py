@@ -40,10 +40,6 @@ class PathSeries:
     ends_apart: bool = False  # whether the path has contact, but not at its end
     points: np.ndarray | None = None  # numbers of the path's own points, between which it goes one way; default all
 
-    @property
-    def has_energy(self) -> bool:
-        return self.states.shape[1] > _ENERGY
-
 
 def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the work that the energy does not account for, by the trapezoidal rule, and the exchanged work (J/m²).
@@ -86,7 +82,7 @@ def path_results(series: PathSeries, control: str) -> dict[str, float]:
         return _lost_under_load(series.states)
     approach, retraction = _first_approach(series), _last_retraction(series)
     found = _lowest_of_retraction(retraction)
-    if series.has_energy:
+    if series.states.shape[1] > _ENERGY:
         found |= _jump_in(approach)
         if series.ends_apart:
             found |= _work_of_separation(retraction)

@@ -92,10 +92,8 @@ def _slope(case: Case) -> _Judged:
         f"; beyond {IMPOSSIBLY_STEEP:g} the heights ({case.surface.height_key}) and surface.size cannot belong "
         "together",
     )
-    words = (
-        f"surface: rms slope {scale.rms_slope:.3g}",
-        ": linear elasticity of a half-space is meant for slopes well below 1",
-    )
+    harmless = ": linear elasticity of a half-space is meant for slopes well below 1"
+    words = f"surface: rms slope {scale.rms_slope:.3g}", harmless
     return scale.rms_slope / STEEP, words, impossible if scale.rms_slope > IMPOSSIBLY_STEEP else None
 
 

@@ -232,9 +232,8 @@ def _describe_choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]
     for table, case in zip(tables, cases, strict=True):
         if table["interaction"].get("length") == AUTO:
             scales = case.scales
-            tabor = tabor_parameter(
-                1 / scales.rms_curvature, case.solid.contact_modulus, case.work_of_adhesion, case.law.length
-            )
+            about = case.solid.contact_modulus, case.work_of_adhesion, case.law.length
+            tabor = tabor_parameter(1 / scales.rms_curvature, *about)
             why = (
                 f"the longest of a Tabor parameter above {JKR_LIKE:g}"
                 if tabor / JKR_LIKE * case.law.length < SHARE_OF_HEIGHT * scales.rms_height

@@ -332,11 +332,8 @@ def stiffnesses(modulus: float, ratio: float, axial_modulus: float, axial_ratio:
     rest = 1 - ratio - 2 * coupling
     if not rest > 0:
         raise ValueError(f"1 − ν − 2 ν_z² E/E_z = {rest:.3g} must be positive")
-    return (
-        modulus * (1 - coupling) / ((1 + ratio) * rest),
-        modulus * axial_ratio / rest,
-        axial_modulus * (1 - ratio) / rest,
-    )
+    c11 = modulus * (1 - coupling) / ((1 + ratio) * rest)
+    return c11, modulus * axial_ratio / rest, axial_modulus * (1 - ratio) / rest
 
 
 def indentation_modulus(c11: float, c13: float, c33: float, c44: float) -> float:

@@ -30,7 +30,6 @@ def recorded(point: InterfaceState | Step, bins: Bins, fields: bool = False) -> 
             kept["plastic_indentation"] = point.plastic_indentation
         return Step(observed(point, bins), {**kept, **point.atoms}, point.restart, bins)
     edges = bins.edges_of
-    values = {
-        key: value(edges[key.rpartition("/")[2]]) if callable(value) else value for key, value in point.values.items()
-    }
-    return replace(point, values=values, bins=bins)
+    functions = {key: value for key, value in point.values.items() if callable(value)}
+    densities = {key: function(edges[key.rpartition("/")[2]]) for key, function in functions.items()}
+    return replace(point, values={**point.values, **densities}, bins=bins)

@@ -30,7 +30,7 @@ class InteractionSection:
 
     adhesive: ClassVar[bool] = False  # has a strength and a length
     cored: ClassVar[bool] = False  # has a repulsive core, its length is the equilibrium distance
-    refuses: ClassVar[dict[str, str]] = {}  # keys that it has no use for, and why, in words after its name
+    refuses: ClassVar[tuple[tuple[str, ...], str]] = (), ""  # keys without use, and why, in words after its name
 
     law: str = key(TEXT, "traction-separation law of the continuum", "lennard_jones_10_4")
     well_depth: float | None = key(
@@ -50,9 +50,9 @@ class InteractionSection:
     def __post_init__(self):
         if self.well_depth is not None and self.work_of_adhesion is not None:
             raise InputError("interaction.well_depth and interaction.work_of_adhesion: give one of the two, not both")
-        for name, why in self.refuses.items():
+        for name in self.refuses[0]:
             if getattr(self, name) is not None:
-                raise InputError(f'interaction.{name}: law = "{self.law}" {why}')
+                raise InputError(f'interaction.{name}: law = "{self.law}" {self.refuses[1]}')
         if self.adhesive and self.well_depth is None and self.work_of_adhesion is None:
             raise InputError(
                 f'missing key interaction.well_depth or interaction.work_of_adhesion: law = "{self.law}" needs one'
@@ -88,9 +88,7 @@ class PlainAdhesion(InteractionSection):
     """A law that no pair of atoms stands for: its adhesion is given as Δγ."""
 
     adhesive = True
-    refuses: ClassVar[dict[str, str]] = {
-        "well_depth": "is not made of pairs of atoms; give interaction.work_of_adhesion"
-    }
+    refuses = ("well_depth",), "is not made of pairs of atoms; give interaction.work_of_adhesion"
 
 
 class PlainSmooth(PlainAdhesion):
@@ -113,10 +111,11 @@ class HardWallInteraction(InteractionSection):
 class HalfSpacesInteraction(SmoothInteraction):
     """Keys of the 9-3 law, whose adhesion does not follow from a pair of layers."""
 
-    refuses: ClassVar[dict[str, str]] = {
-        "well_depth": "is that of two half-spaces, whose adhesion needs the number of atoms per volume of both; give "
-        "interaction.work_of_adhesion and length = z0 (docs/conventions.md has both from ε, r0 and the densities)"
-    }
+    refuses = (
+        ("well_depth",),
+        "is that of two half-spaces, whose adhesion needs the number of atoms per volume of both; give "
+        "interaction.work_of_adhesion and length = z0 (docs/conventions.md has both from ε, r0 and the densities)",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,9 +164,7 @@ class DugdaleCoreInteraction(CoredInteraction):
 class RepulsiveInteraction(InteractionSection):
     """Keys of a soft repulsion."""
 
-    refuses: ClassVar[dict[str, str]] = dict.fromkeys(
-        ("well_depth", "work_of_adhesion"), "does not attract; give interaction.repulsion"
-    )
+    refuses = ("well_depth", "work_of_adhesion"), "does not attract; give interaction.repulsion"
 
     length: float = key(METRES, "gap at which the repulsion begins")
     repulsion: float = key(
@@ -179,9 +176,7 @@ class RepulsiveInteraction(InteractionSection):
 class TabulatedInteraction(InteractionSection):
     """Keys of a tabulated law: a file, or its numbers, which the file's become when the study is read."""
 
-    refuses: ClassVar[dict[str, str]] = dict.fromkeys(
-        ("well_depth", "work_of_adhesion", "length"), "has its own, from the table"
-    )
+    refuses = ("well_depth", "work_of_adhesion", "length"), "has its own, from the table"
     columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see tables.with_columns
         "gap": ("gap_unit", "m", "m"),
         "traction": ("traction_unit", "Pa", "Pa"),
