@@ -72,12 +72,11 @@ def _table(path: Path, lines: Sequence[str]) -> RawMap:
         raise MapError("begins with an empty cell; leave out names of rows and columns, write nan for a missing height")
     try:
         table = _numbers(rows)
-    except InputError:
-        raise
     except ValueError as error:
-        if not named:  # no header of an instrument either: of numbers with words between them nothing is left out
-            raise MapError(f"cannot be read ({error})") from None
-        raise
+        if named or isinstance(error, InputError):
+            raise
+        # No header of an instrument either: of numbers with words between them nothing is left out.
+        raise MapError(f"cannot be read ({error})") from None
     size = _sides(path, head, r"^#\s*(?:{}):\s*(.*)$", (_HEIGHT, _WIDTH))
     if table.shape[1] == 3 and table.shape[0] > 3 and size is None:
         return _points(lines)

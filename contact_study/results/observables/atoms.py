@@ -17,15 +17,11 @@ ATOMS: dict[str, Variable] = {
     "shear_stress_x": Variable("Pa", "force of the substrate on a surface atom along x over its area", _PLANE),
     "shear_stress_y": Variable("Pa", "force of the substrate on a surface atom along y over its area", _PLANE),
     "normal_stress": Variable("Pa", "stress of the substrate on a surface atom, compression positive", _PLANE),
-    "velocity_x": Variable("m s-1", "velocity of a surface atom along x", _PLANE),
-    "velocity_y": Variable("m s-1", "velocity of a surface atom along y", _PLANE),
-    "velocity_z": Variable("m s-1", "velocity of a surface atom along z", _PLANE),
+    **{f"velocity_{axis}": Variable("m s-1", f"velocity of a surface atom along {axis}", _PLANE) for axis in "xyz"},
     "node_x": Variable("m", "position of a node of the block along x", _NODES),
     "node_y": Variable("m", "position of a node of the block along y", _NODES),
     "node_z": Variable("m", "height of a node of the block over the mean plane of the substrate", _NODES),
-    "node_velocity_x": Variable("m s-1", "velocity of a node of the block along x", _NODES),
-    "node_velocity_y": Variable("m s-1", "velocity of a node of the block along y", _NODES),
-    "node_velocity_z": Variable("m s-1", "velocity of a node of the block along z", _NODES),
+    **{f"node_velocity_{i}": Variable("m s-1", f"velocity of a node of the block along {i}", _NODES) for i in "xyz"},
 }
 
 # Quantities that do not change along the path.
