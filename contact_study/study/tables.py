@@ -27,29 +27,6 @@ _MOST = 20_000  # more rows than any average over directions has; a study holds 
 _ROUNDING = 1e-20  # of the largest power: what a transform leaves of waves that a surface does not have
 
 
-def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, str]]) -> list[list[float]]:
-    """Read the columns of a text table, between blanks, tabs or commas, in SI; ``#`` begins a comment.
-
-    ``name`` is the key of the file; ``column_units`` has the key of each column's unit, that unit and the SI unit.
-    """
-    lines = [(number, line.split("#")[0]) for number, line in enumerate(_text_of(path, name).splitlines(), 1)]
-    rows = [(number, line) for number, line in lines if line.strip()]
-    if not rows:
-        raise InputError(f"{name}: {path} is empty; expected {len(column_units)} columns of numbers")
-    table = _numbers_of(rows, f"{name}: {path}", r"[\s,]+")
-    if table.shape[1] != len(column_units) or not np.all(np.isfinite(table)):
-        expected = f"expected {len(column_units)} columns of finite numbers"
-        raise InputError(f"{name}: {path} holds a table of shape {table.shape}; {expected}")
-    columns = []
-    for column, (key, unit, si) in zip(table.T, column_units, strict=True):
-        try:
-            size = units.quantity(f"1 {unit}", si, key)
-        except InputError:
-            raise InputError(f"{key} = {unit!r}: is no unit that can be converted to {si}") from None
-        columns.append([float(value) * size for value in column])
-    return columns
-
-
 def _numbers_of(rows: Sequence[tuple[int, str]], where: str, separator: str) -> np.ndarray:
     """Read the numbers of numbered lines, a row a line, between separators (a regular expression)."""
     table: list[list[float]] = []
@@ -93,8 +70,22 @@ def with_columns(
     beside = [name for name in columns if name in table]
     if beside:
         raise InputError(f"{section}.path and {section}.{beside[0]}: give the file or its numbers, not both")
-    given = [(f"{section}.{key}", str(table.get(key, default)), si) for key, default, si in columns.values()]
-    read = read_columns(directory / table["path"], f"{section}.path", given)
+    path, name, read = directory / table["path"], f"{section}.path", []
+    lines = [(number, line.split("#")[0]) for number, line in enumerate(_text_of(path, name).splitlines(), 1)]
+    rows = [(number, line) for number, line in lines if line.strip()]
+    if not rows:
+        raise InputError(f"{name}: {path} is empty; expected {len(columns)} columns of numbers")
+    numbers = _numbers_of(rows, f"{name}: {path}", r"[\s,]+")
+    if numbers.shape[1] != len(columns) or not np.all(np.isfinite(numbers)):
+        expected = f"expected {len(columns)} columns of finite numbers"
+        raise InputError(f"{name}: {path} holds a table of shape {numbers.shape}; {expected}")
+    for column, (key, default, si) in zip(numbers.T, columns.values(), strict=True):
+        unit = str(table.get(key, default))
+        try:
+            size = units.quantity(f"1 {unit}", si, f"{section}.{key}")
+        except InputError:
+            raise InputError(f"{section}.{key} = {unit!r}: is no unit that can be converted to {si}") from None
+        read.append([float(value) * size for value in column])
     left_behind = {"path", *(key for key, _, _ in columns.values())}
     kept = {name: value for name, value in table.items() if name not in left_behind}
     return {**kept, **dict(zip(columns, read, strict=True))}
