@@ -154,14 +154,8 @@ class NewtonResult:
     outcome: Outcome
 
 
-def check_arguments(
-    height: np.ndarray, grid: Grid, control: str, tolerance: float, max_iterations: int, elasticity: Elasticity
-) -> None:
-    """Raise ValueError if heights, control or limits are invalid, or the solid does not support the control."""
-    if height.shape != grid.shape:
-        raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
-    if not np.all(np.isfinite(height)):
-        raise ValueError("height is not finite everywhere")
+def check_arguments(grid: Grid, control: str, tolerance: float, max_iterations: int, elasticity: Elasticity) -> None:
+    """Raise ValueError if control or limits are invalid, or the solid does not support the control."""
     check_control(control, tolerance, max_iterations, ("pressure", "gap", "approach"))
     if control == "approach" and not elasticity.mean_stiffness_on(grid):
         raise ValueError(

@@ -1,8 +1,4 @@
-"""Adhesive contact of one rough surface under prescribed pressure, mean gap or approach, step after step.
-
-Each step is a function of the displacement it starts from and of its target; where the energy has several minima the
-path decides between them. Only a positive pressure, or a prescribed gap, brings separated surfaces together.
-"""
+"""Adhesive contact of one rough surface, step after step: where the energy has several minima the path decides."""
 
 from dataclasses import replace
 from threading import RLock
@@ -12,10 +8,9 @@ import numpy as np
 from bem_adhesion.adhesive.multigrid import MultigridSolver
 from bem_adhesion.kernels.law import blocks
 from bem_adhesion.kernels.local_energy import LocalEnergy
-from bem_adhesion.linear.preconditioner import typical_wavenumber
-from bem_adhesion.operators.fourier import periodic
+from bem_adhesion.linear.conjugate_gradients import typical_wavenumber
+from bem_adhesion.operators.fourier import Load, periodic
 from bem_adhesion.operators.free_space import Window
-from bem_adhesion.operators.load import Load
 from bem_adhesion.operators.trace import Trace
 from bem_adhesion.solution import NewtonResult, Outcome, Solution, check_arguments, require_solution
 from contact_study.numerics.arguments import step_arguments
@@ -51,12 +46,10 @@ def reach(law: TractionLaw) -> float:
 
 
 class AdhesiveContact:
-    """One rough surface against an elastic solid under a traction-separation law, for any number of loads.
+    """One rough surface against a solid under a law, see :func:`rough_contact`; heights outside the window are ignored.
 
-    Parameters as for :func:`rough_contact`, in SI units; inside, the units are the law's length and the contact
-    modulus. A stiff spring holds a mean gap, its end moved until the gap is met; the solid's own stiffness against a
-    uniform pressure holds an approach. ``tolerance`` bounds max|K w + φ'(d) + p| / E*, and the error of gap or approach
-    over the law's length. Heights outside the ``window`` are ignored.
+    Inside, the units are the law's length and the contact modulus. A stiff spring holds a mean gap, its end moved until
+    the gap is met; the solid's own stiffness against a uniform pressure holds an approach.
     """
 
     def __init__(
@@ -74,7 +67,7 @@ class AdhesiveContact:
     ):
         self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
-        check_arguments(height, grid, control, tolerance, max_iterations, self.elasticity)
+        check_arguments(grid, control, tolerance, max_iterations, self.elasticity)
         self.height = height
         self.law = law
         self.control = control
@@ -237,20 +230,9 @@ class AdhesiveContact:
         mean = float(pressure.mean())
         work = sum(inner_product(pressure[here] - mean, displacement[here]) for here in blocks(gap))
         elastic = 0.5 * work / gap.size + self.elasticity.compression_energy(mean)
-        return Solution(
-            displacement,
-            displacement,
-            gap,
-            pressure,
-            elastic,
-            interaction,
-            result.residual,
-            result.iterations,
-            pairs,
-            result.outcome,
-            max(0.0, -float(np.min(result.reaction))) if self.law.has_wall else None,
-            law=self.law,
-        )
+        pull = max(0.0, -float(np.min(result.reaction))) if self.law.has_wall else None
+        end = result.residual, result.iterations, pairs, result.outcome, pull
+        return Solution(displacement, displacement, gap, pressure, elastic, interaction, *end, law=self.law)
 
     def _pressure(self, gap: np.ndarray, reaction: np.ndarray | float) -> tuple[np.ndarray, float]:
         """Return the pressure of the interface at a gap in metres (Pa), and its energy per area (J/m²)."""

@@ -1,22 +1,15 @@
 """Relaxation in subdomains: where a patch jumps, its edge moves for tens of Newton steps while all else rests.
 
-Three of four of these steps are on a periodic subdomain of a quarter of the grid's points along each axis, whose load
-balances the whole contact's residual at the start,
-
-    K' (d − d₀) + φ'(d) + (K d₀ + load) = 0,
-
-K' the solid on the subdomain: only the *change* of the gap is elastic there. Springs anchor the rim. The next Newton
-step of the whole corrects for what K' lacks.
+Three of four of these steps are on periodic subdomains, K' (d − d₀) + φ'(d) + (K d₀ + load) = 0, K' the solid there:
+only the *change* of the gap is elastic, and springs anchor the rim. The next Newton step of the whole corrects K'.
 """
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bem_adhesion.adhesive.newton import NewtonSolver
-from bem_adhesion.operators.fourier import MakeOperator
-from bem_adhesion.operators.load import Load
+from bem_adhesion.operators.fourier import Load, MakeOperator
 from contact_study.numerics.grid import Grid
-from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory
 from contact_study.physics.laws import TractionLaw
 
@@ -76,28 +69,16 @@ def _ramp(points: int) -> np.ndarray:
 
 def _largest_of_tiles(field: np.ndarray, tile: tuple[int, int]) -> np.ndarray:
     """Return the largest magnitude in every tile; the last of an axis may be smaller."""
-    largest = np.zeros([-(-points // along) for points, along in zip(field.shape, tile, strict=True)], field.dtype)
-    _raise_to_largest(field, *tile, largest)
-    return largest
+    rows, columns = (np.arange(0, points, along) for points, along in zip(field.shape, tile, strict=True))
 
+    def over(ufunc: np.ufunc) -> np.ndarray:
+        return ufunc.reduceat(ufunc.reduceat(field, rows, axis=0), columns, axis=1)
 
-@kernel
-def _raise_to_largest(field, rows, columns, largest):
-    for i in range(field.shape[0]):
-        of_row = largest[i // rows]
-        for tile in range(of_row.size):
-            found = of_row[tile]
-            for j in range(tile * columns, min((tile + 1) * columns, field.shape[1])):
-                found = max(found, abs(field[i, j]))
-            of_row[tile] = found
+    return np.maximum(over(np.maximum), -over(np.minimum))
 
 
 def find_subdomains(largest: np.ndarray, close: float) -> list[tuple[int, int]] | None:
-    """Find the first tiles of subdomains within whose rims all tiles out of balance lie; None without, or too many.
-
-    ``largest`` is the residual of each tile; below ``close`` it is in balance. The worst tile is in the subdomain that
-    contains most others, or is in the middle of it.
-    """
+    """Find the first tiles of subdomains that cover all with a residual above ``close``; None without, or too many."""
     inside = np.arange(1, TILES_OF_SUBDOMAIN - 1)
     from_middle = np.abs(inside - inside.mean())
     active = largest > max(SHARE * largest.max(), close)

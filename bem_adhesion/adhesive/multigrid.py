@@ -1,9 +1,7 @@
 """A load step over grids: predicted on coarser grids, solved on the finest, and checked for saddles.
 
-Full approximation: the coarse grid solves for the *change* of the gap, with the fine grid's residual on its right
-side (A. Brandt, Math. Comp. 31, 333 (1977)). Each grid jumps at its own load, the coarse one usually too early, into a
-state of lower energy. A prediction therefore stays behind the load by more than the loads of two grids differ, and goes
-the rest of the way by a step along the tangent; the fine grid alone decides jumps there.
+Full approximation (A. Brandt, Math. Comp. 31, 333 (1977)). Each grid jumps at its own load, the coarse one usually too
+early: a prediction stays behind the load by more than that, and goes the rest of the way along the tangent.
 """
 
 from dataclasses import replace
@@ -13,24 +11,13 @@ import numpy as np
 from bem_adhesion.adhesive.local_newton import LocalNewton
 from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.adhesive.options import MultigridOptions
-from bem_adhesion.operators.fourier import MakeOperator
+from bem_adhesion.operators.fourier import Load, MakeOperator
 from bem_adhesion.operators.free_space import Window
-from bem_adhesion.operators.load import Load
 from bem_adhesion.process_zone import process_zone
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.grid import Grid
-from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory
 from contact_study.physics.laws import TractionLaw
-
-
-@kernel
-def _add_change(gap, change, closest, out):
-    """Write the changed gap, but let none fall below the smaller of itself and ``closest``."""
-    for i in range(gap.shape[0]):
-        for j in range(gap.shape[1]):
-            d = gap[i, j]
-            out[i, j] = max(d + change[i, j], min(d, closest))
 
 
 def _close_gaps(touching: np.ndarray, fine: np.ndarray) -> None:
@@ -144,7 +131,8 @@ class MultigridSolver:
         change = self.finest.interpolate(coarser.finest, reached - gap[::2, ::2])
         predicted, inside = gap + change, self.finest.window.inside
         closest = options.closest_prediction * law.equilibrium_distance
-        _add_change(inside(gap), inside(change), closest, inside(predicted))
+        # No gap falls below the smaller of itself and the closest.
+        np.maximum(inside(predicted), np.minimum(inside(gap), closest), out=inside(predicted))
         if law.has_wall:
             touching = np.zeros(reached.shape, bool)
             coarser.finest.window.inside(touching)[...] = coarser.finest.window.inside(reached) == 0
@@ -152,10 +140,7 @@ class MultigridSolver:
         return predicted
 
     def _has_negative_curvature(self) -> bool:
-        """Return whether the state that :attr:`finest` has just solved for is no minimum.
-
-        A coarse grid that resolves the process zone finds unstable modes at less cost; the finest decides about them.
-        """
+        """Return whether the state that :attr:`finest` has just solved for is no minimum, cheaply first."""
         curvature, level = self.finest.curvature, self
         while level.coarser and level.coarser.points_per_process_zone >= self.options.points_for_curvature:
             curvature, level = np.ascontiguousarray(curvature[::2, ::2]), level.coarser

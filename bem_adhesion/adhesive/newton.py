@@ -1,11 +1,8 @@
 """Newton descent of an adhesive contact on one grid, under any traction-separation law.
 
-The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the elastic solid, φ the law. The energy is not convex; the
-solver descends from the given state into the minimum next to it. Negative curvature of the law is multiplied by
-1 − damping when a linear solve finds a descent of the whole quadratic model, and restored after successful steps.
-
-The residual is formed in float64; between two full evaluations K d follows the changes of d by transforms in float32.
-Stresses are in units of the contact modulus; lengths in any unit that makes them of order one.
+The gap d descends into the minimum of ½<d, K d> + <φ(d)> + <load·d> next to it; negative curvature that stops a linear
+solve is multiplied by 1 − damping until steps succeed. Stresses are in units of the contact modulus. Residuals are in
+float64; between two full evaluations K d follows the changes of d by transforms in float32.
 """
 
 from functools import partial
@@ -15,11 +12,9 @@ import numpy as np
 
 from bem_adhesion.adhesive.options import NewtonOptions
 from bem_adhesion.kernels.local_energy import EnergyAndGradient, LocalEnergy
-from bem_adhesion.linear.conjugate_gradients import LinearisedContact
-from bem_adhesion.linear.preconditioner import preconditioner_for
-from bem_adhesion.operators.fourier import MakeOperator
+from bem_adhesion.linear.conjugate_gradients import LinearisedContact, preconditioner_for
+from bem_adhesion.operators.fourier import Load, MakeOperator
 from bem_adhesion.operators.free_space import Window
-from bem_adhesion.operators.load import Load
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.balance import ROUNDING, Excess, excess
 from contact_study.numerics.grid import Grid
@@ -33,10 +28,9 @@ CHANGE_ROUNDING, SHARE_OF_RESIDUAL = 3e-7, 0.1
 
 
 class NewtonSolver:
-    """The discretised contact on one grid; ``shift`` is that of :class:`LinearisedContact`.
+    """The contact on one grid; ``shift`` as for :class:`LinearisedContact`, whose ``idle`` memory others may use.
 
-    At the last gap the field of ``solid`` is K d with the load's field, and ``curvature`` is φ''. Its ``idle`` memory
-    is free for another solver between two linear solves.
+    At the last gap the field of ``solid`` is K d with the load's field, and ``curvature`` is φ''.
     """
 
     def __init__(
@@ -128,10 +122,6 @@ class NewtonSolver:
         self._rounded += CHANGE_ROUNDING * largest * self.solid.largest
         return self._pressed(new, load)
 
-    def _undo_change(self) -> None:
-        """Restore the solid's field before the last change."""
-        self.solid.field -= self._single.field
-
     def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: Load) -> EnergyAndGradient:
         """Evaluate as :meth:`evaluate`, from the gap that was pressed last, if there is one."""
         if known is None:
@@ -164,11 +154,10 @@ class NewtonSolver:
         overwrite: bool = False,
         carries: bool = False,
     ) -> NewtonResult:
-        """Descend from a gap, > 0, to the next equilibrium, at which max|gradient| is at most ``tolerance``.
+        """Descend from a gap to the next equilibrium, max|gradient| at most ``tolerance``; ``overwrite`` frees gaps.
 
-        At first contact negative curvature may be removed. A ``known`` gap, this or another, was evaluated last under
-        this load's field. The solver may ``overwrite`` both gaps. A solution that ``carries`` its load does so however
-        light the load is, see :mod:`contact_study.numerics.balance`.
+        A ``known`` gap, this or another, was evaluated last under this load's field. A solution that ``carries`` its
+        load does so however light it is, see :mod:`contact_study.numerics.balance`.
         """
         state = self._evaluate_from(known, gap, load)
         trial = known if overwrite and known is not None and known is not gap else np.empty_like(gap)
@@ -198,7 +187,7 @@ class NewtonSolver:
                 if corrected.energy < state.energy:
                     gap, trial, state, damping = trial, gap, corrected, 0.0
                 else:
-                    self._undo_change()
+                    self.solid.field -= self._single.field  # as before the change
                     state = self._pressed(gap, load)
             else:
                 stepped = True
@@ -319,16 +308,14 @@ class NewtonSolver:
             equal = new.energy <= state.energy + options.energy_rounding * abs(state.energy)
             if new.energy <= state.energy or (equal and new.square < state.square):
                 return self._unless_rounded(new, trial, load), fraction
-            self._undo_change()
+            self.solid.field -= self._single.field  # as before the change
             step *= np.float32(options.backtracking)
             fraction *= options.backtracking
         return None, fraction
 
     def find_negative_curvature(self, curvature: np.ndarray, softening: float = 1.0) -> bool:
-        """Return whether conjugate gradients find a direction of negative curvature of K + D⁺ + softening·D⁻.
-
-        The right side is random (the same each time) and lies where the law softens, as every unstable mode does.
-        """
+        """Return whether conjugate gradients find a direction of negative curvature of K + D⁺ + softening·D⁻."""
+        # A right side that is random, the same each time, where the law softens, as every unstable mode does.
         random = np.random.default_rng(0).standard_normal(curvature.shape, dtype=np.float32)
         np.multiply(1 + random, np.maximum(-curvature, 0), out=self._right_side)
         largest = np.abs(self._right_side).max()

@@ -224,11 +224,7 @@ def contact_between(
 
 
 class FreeBoundaryContact:
-    """One rough surface of finite extent against a half-space, for any number of loads.
-
-    Parameters as for :func:`rough_contact`; the points of the grid are the centres of cells. Control is that of the
-    pressure, a force over the area of the grid (Pa), or of the approach.
-    """
+    """A surface of finite extent, its points centres of cells, on a half-space under a force or at an approach."""
 
     def __init__(
         self,
@@ -265,16 +261,12 @@ class FreeBoundaryContact:
         return self._padded.separated()
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the state under a new load, see :meth:`Contact.step`.
-
-        Fields of the solution are on the grid of the surface, its state on the padded grid, shape (2 ny, 2 nx).
-        """
+        """Find the state under a load, see :meth:`Contact.step`; its ``state`` alone is on the padded grid."""
         state, target = step_arguments(self.control, target, state, self._grid.shape)
         return self._cropped(self._padded.step(state, target * self._share if self.control == "pressure" else target))
 
     def stiffness(self, solution: Solution) -> float:
         """Return −dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
-        require_solution(solution)
         inner = self._padded.stiffness(solution)
         if inner == 0:
             return 0.0
@@ -306,9 +298,8 @@ class FreeBoundaryContact:
 class PlasticContact:
     """One rough surface against an elastic solid with a hardness H, for loading and unloading.
 
-    Points under H keep their indentation w; the rigid surface of the next step is h − w, unloading is elastic (B. N. J.
-    Persson, J. Chem. Phys. 115, 3840 (2001)), and the work done on the plastic layer is H <w>. ``make_wall`` makes the
-    hard wall of given heights (m), with the hardness as its bound and the given ``unit``.
+    Points under H keep their indentation w; the rigid surface of the next step is h − w, and unloading is elastic
+    (B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)). ``make_wall`` makes the wall of given heights and ``unit`` (m).
     """
 
     def __init__(self, height: np.ndarray, make_wall: Callable[..., HardWallContact | FreeBoundaryContact]):
@@ -324,11 +315,9 @@ class PlasticContact:
         return np.broadcast_to(0.0, (2, *self._untouched.shape))
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the contact at a load, see :meth:`Contact.step`.
+        """Find the contact at a load, see :meth:`Contact.step`; the state is pressure (Pa) and indentation so far (m).
 
-        The state, shape (2, …), is the pressure (Pa), which only changes the work, and the indentation so far (m). An
-        approach counts from first touch of the surface before it yielded. ``plastic_indentation`` of the solution is
-        that of all steps so far. An indentation below zero raises ValueError.
+        An approach counts from first touch of the surface before it yielded.
         """
         state, target = step_arguments(self._control, target, state, (2, *self._untouched.shape))
         before = self._indentation(state)

@@ -152,10 +152,8 @@ class ViscoelasticContact:
     def _energies(
         self, displacement: np.ndarray, change: np.ndarray, carried: np.ndarray, shares: np.ndarray
     ) -> tuple[float, float]:
-        """Return the energy of all springs at the end of a step, and the energy dissipated in it, per area (J/m²).
-
-        Within the step h = A exp(−t/τ) + B, B = τ u', and a branch dissipates E h²/τ per time.
-        """
+        """Return the energy of all springs at the end of a step, and the energy dissipated in it, per area (J/m²)."""
+        # Within the step h = A exp(−t/τ) + B, B = τ u', and a branch dissipates E h²/τ per time.
 
         def product(one: np.ndarray, other: np.ndarray) -> float:
             return float(np.sum(self._weight * (one.real * other.real + one.imag * other.imag)))

@@ -1,16 +1,12 @@
 """Active sets for the contact of an elastic solid with a hard wall, nested over grids.
 
-Find the pressure p with gap = C p − h − offset >= 0, p >= 0, gap p = 0 and a given mean, C = 1/K(q). On a trial contact
-set A solve C_AA p = h + offset; points of A that pull leave it, points outside that penetrate enter, both judged on the
-same solved state (M. Hintermüller, K. Ito & K. Kunisch, SIAM J. Optim. 13, 865 (2002)): one change after the other can
-cycle. A linear solve is a few iterations of conjugate gradients in single precision for a *correction* of p, with the
-preconditioner of :mod:`bem_adhesion.hard_wall.preconditioner`; the residual is computed in double precision every time.
+On a trial contact set A solve C_AA p = h + offset, C = 1/K(q), by conjugate gradients in single precision for a
+*correction* of p; points of A that pull leave it, points outside that penetrate enter, both judged on the same solved
+state (M. Hintermüller, K. Ito & K. Kunisch, SIAM J. Optim. 13, 865 (2002)): one change after the other can cycle.
 
-With a bound, the hardness, p minimises ½<p, C p> − <p, h> at 0 <= p <= bound, a convex problem with one solution, that
-of a rigid-perfectly plastic surface layer: indentation = −gap >= 0 where p = bound. The free points (between the
-bounds, or at one of them and pushed inwards) take a step of the same conjugate gradients. It is cut off at the bounds,
-the load restored by a shift of the free points, and the step shortened, and finally turned along the gradient, until
-the energy falls (D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982)): the iteration cannot cycle.
+With a bound, the hardness, p minimises ½<p, C p> − <p, h> at 0 <= p <= bound: indentation = −gap >= 0 where p = bound.
+A step of the free points is cut off at the bounds, the load restored by a shift, and the step shortened, and finally
+turned along the gradient, until the energy falls (D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982)).
 """
 
 from collections.abc import Iterator
@@ -229,10 +225,7 @@ class ContactLevel:
                 return error, iteration, Outcome.STALLED
 
     def _trials(self, displacement: np.ndarray, floor: float) -> Iterator[np.ndarray]:
-        """Yield pressures to try, flat, before they are brought within the bounds.
-
-        Steps of conjugate gradients first; along the projected gradient the energy falls once the step is short.
-        """
+        """Yield flat pressures to try: along conjugate gradients, then the gradient, on which a short step falls."""
         pressure, heights, contact = self.pressure.reshape(-1), self.heights.reshape(-1), self.contact.reshape(-1)
         residual = self._residual.reshape(-1)
         mean = kernels.offset(displacement, heights, contact)
@@ -284,10 +277,8 @@ class ContactLevel:
         return np.maximum(gap, 0, out=gap)
 
     def refine(self) -> np.ndarray:
-        """Return the pressure for the grid of twice as many points along each side, negative out of contact.
-
-        A gap enters as the tension, an indentation as the pressure that makes it: edges are between the points.
-        """
+        """Return the pressure for the grid of twice as many points along each side, negative out of contact."""
+        # A gap enters as the tension, an indentation as the pressure that makes it: edges are between the points.
         # A wave of two spacings along an axis is √2 less stiff than the one along the diagonal.
         stiffness, indentation, gap = self.single.largest / np.sqrt(2), self.indentation(), self.gap()
         if indentation is None:

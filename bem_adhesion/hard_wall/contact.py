@@ -1,8 +1,4 @@
-"""Contact of an elastic solid with a rigid rough surface without adhesion, at a mean pressure, mean gap or approach.
-
-The algorithm is in :mod:`bem_adhesion.hard_wall.active_set`; gap and approach are found as the pressure that leads to
-them.
-"""
+"""Contact with a hard wall without adhesion; gap and approach are found as the pressure that leads to them."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,8 +9,7 @@ import numpy as np
 
 from bem_adhesion.hard_wall.active_set import ContactLevel
 from bem_adhesion.kernels.law import PINNED
-from bem_adhesion.linear.conjugate_gradients import LinearisedContact
-from bem_adhesion.linear.preconditioner import typical_wavenumber
+from bem_adhesion.linear.conjugate_gradients import LinearisedContact, typical_wavenumber
 from bem_adhesion.operators.fourier import periodic
 from bem_adhesion.operators.trace import Trace
 from bem_adhesion.solution import Outcome, Solution, check_arguments, require_solution
@@ -38,12 +33,9 @@ AT_HARDNESS = 1e-8
 
 
 class HardWallContact:
-    """One rough surface against an elastic solid, for any number of loads.
+    """One rough surface against an elastic solid, see :func:`rough_contact`; no surface at heights of minus infinity.
 
-    Parameters as for :func:`rough_contact`; heights of minus infinity are points without a surface. ``tolerance`` is
-    the largest gap inside the contact and penetration outside over the rms height, or over ``unit`` (m), for a nearly
-    flat punch over a thousandth of its displacement; under control of the gap or the approach also its error.
-    ``hardness`` is the largest pressure (Pa); a ``PlasticContact`` keeps what yields.
+    Errors are over the rms height, or over ``unit`` (m), for a nearly flat punch over a thousandth of its displacement.
     """
 
     def __init__(
@@ -61,7 +53,7 @@ class HardWallContact:
     ):
         self.elasticity = elasticity_of(elasticity)
         finite = ~np.isneginf(height)
-        check_arguments(np.where(finite, height, 0.0), grid, control, tolerance, max_iterations, self.elasticity)
+        check_arguments(grid, control, tolerance, max_iterations, self.elasticity)
         self.turn = RLock()
         self.control = control
         self.tolerance = tolerance
@@ -119,11 +111,7 @@ class HardWallContact:
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the contact at a load, see :meth:`Contact.step`; the state, a pressure (Pa), only changes the work.
-
-        Mean pressures and gaps are not negative. Above the gap of first touch, or at an approach up to zero, there is
-        no contact; at a gap of zero the pressure is the least of full contact.
-        """
+        """Find the contact at a load, see :meth:`Contact.step`; the state, a pressure (Pa), only changes the work."""
         state, target = step_arguments(self.control, target, state, self.grid.shape)
         self._check_target(target)
         solve = {"pressure": self._at_pressure, "gap": self._at_gap, "approach": self._at_approach}[self.control]
@@ -168,7 +156,7 @@ class HardWallContact:
         """Find the pressure that leaves that gap."""
         if self._flat or mean_gap >= self._height.max() - self._mean_height:
             return self._apart(self._mean_height + mean_gap)
-        least_full = self._least_full_contact_pressure()
+        least_full = self._level.least_full_contact_pressure() * self._pressure_unit
         if mean_gap == 0:
             return self._at_pressure(state, least_full * (1 + 1e-12))
 
@@ -196,7 +184,7 @@ class HardWallContact:
 
         first = float(state.mean()) or FIRST_SHARE * stiffness * approach
         uniform = stiffness * (self._mean_height - plane)
-        if self._flat or (self._bounded and uniform >= self._least_full_contact_pressure()):
+        if self._flat or (self._bounded and uniform >= self._level.least_full_contact_pressure() * self._pressure_unit):
             first = uniform  # of full contact
         unit = self._unit_at(approach) or approach
         # A share of small approaches: near first touch the surface is known to rounding.
@@ -207,10 +195,7 @@ class HardWallContact:
     def _find_pressure(
         self, state: np.ndarray, excess: Callable[[Solution], float], tolerance: float, first: float, most: float
     ) -> Solution:
-        """Find the state at which an excess distance, which falls with the pressure, vanishes within ``tolerance`` (m).
-
-        Where it is positive even at the largest pressure (Pa) the state is that one.
-        """
+        """Find where an excess distance (m), falling with the pressure, vanishes; at most the largest pressure (Pa)."""
         latest: tuple[float, Solution] | None = None
 
         def at(log_pressure: float) -> Solution:
@@ -236,10 +221,7 @@ class HardWallContact:
         return latest[1] if latest and latest[0] == root else at(root)
 
     def _correct_position(self, found: Solution, excess: float, unit: float, moving: float = 1.0) -> Solution:
-        """Return the solution, or the state between two where surfaces approach at the same pressure.
-
-        ``excess`` is their distance beyond the target (m), ``moving`` its change per movement of the solid.
-        """
+        """Return the solution, or, ``excess`` (m) off the target, the state between two of the same pressure."""
         # Two solves of one pressure differ by their tolerance each.
         if not found.converged or abs(excess) <= 3 * self.tolerance * unit:
             return found
@@ -279,9 +261,6 @@ class HardWallContact:
             return 0.0
         return self._pairs_of_levels + self._level.equivalent_pairs(self._level.grid)
 
-    def _least_full_contact_pressure(self) -> float:
-        return self._level.least_full_contact_pressure() * self._pressure_unit
-
     def _apart(self, plane: float) -> Solution:
         """Return the solution without contact, the solid's surface at a height (m)."""
         surface = np.full(self.grid.shape, plane)
@@ -305,18 +284,5 @@ class HardWallContact:
         if np.isfinite(self.hardness):
             beyond = max(0.0, -float(pressure.min()), float(pressure.max()) - self.hardness)
             beyond /= self.elasticity.contact_modulus
-        return Solution(
-            pressure,
-            displacement,
-            gap,
-            pressure,
-            elastic_energy,
-            0.0,
-            residual,
-            iterations,
-            0.0,
-            outcome,
-            complementarity_residual=beyond,
-            plastic_indentation=indentation,
-            law=HardWall(),
-        )
+        end = residual, iterations, 0.0, outcome, beyond, None, indentation
+        return Solution(pressure, displacement, gap, pressure, elastic_energy, 0.0, *end, law=HardWall())

@@ -173,11 +173,8 @@ def judge(displacement, heights, offset, pressure, bound, free):
 
 @kernel
 def balancing_shift(pressure, free, bound, total):
-    """Find the shift of the free points with which all points, cut off at the bounds, carry ``total``.
-
-    Returns the shift, the pressure missing by rounding, and the number of points between the bounds; other points are
-    at a bound. It is the zero of a piecewise linear, increasing function, by Newton's method and bisection.
-    """
+    """Return the shift of the free points with which all carry ``total``, what is missing, and how many are between."""
+    # The zero of a piecewise linear, increasing function, by Newton's method and bisection.
     smallest, largest = np.inf, -np.inf
     saturated = 0
     for i in range(pressure.size):

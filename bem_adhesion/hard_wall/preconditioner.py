@@ -1,13 +1,8 @@
 """Smooth extension of a field from a contact set to the whole surface: the core of the hard-wall preconditioner.
 
-The inverse of the compliance on a contact set is a minimum over extensions E of a field from there to everywhere,
-C_AA⁻¹ = min_E Eᵀ K E; any stable extension gives a preconditioner for one pair of transforms. With m_l and c_l the
-averages of the field (zero outside A) and of A's indicator over cells of 2^l points, and U the bilinear interpolation
-to the next finer cells,
-
-    e_l = m_l + (1 − c_l) U e_{l+1},        E r = e_0,
-
-so that a hole has the average of its neighbourhood and the extension of an island decays with distance.
+C_AA⁻¹ = min_E Eᵀ K E: any stable extension E gives a preconditioner for one pair of transforms. Here E r = e_0 of
+e_l = m_l + (1 − c_l) U e_{l+1}: m_l and c_l are averages of the field and of A's indicator over cells of 2^l points, U
+interpolates to the next finer cells.
 """
 
 from itertools import pairwise

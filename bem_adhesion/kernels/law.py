@@ -73,15 +73,7 @@ class LawKernels:
             total += float(np.sum(self.law.potential(gap[here])))
         return total
 
-    def gradient(
-        self,
-        pressing: np.ndarray,
-        gap: np.ndarray,
-        traction: np.ndarray,
-        pressure: float,
-        right_side: np.ndarray,
-        curvature: np.ndarray,
-    ) -> tuple[float, float, float, float]:
+    def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
         """Write −(pressing + φ' + pressure) into ``right_side``; raise ``curvature`` where points are out of balance.
 
         Returns Σ (½ pressing + pressure)·d, max|gradient|, Σ gradient² and Σ gradient.
@@ -229,12 +221,7 @@ def _advance(exponent: int) -> Callable[..., None]:
 
     @kernel
     def advance(gap, step, limit, length, landing, out):
-        """Write the gap after a Newton step, moving each point in the variable in which it is nearly linear.
-
-        A point in repulsion moves by ``step`` in its linearised traction φ' + φ''·step, from which the gap follows by
-        :meth:`TractionLaw.repulsive_gap`; another in its gap, into repulsion along the tangent at equilibrium, down to
-        a pressure of LANDING times the law's peak. Otherwise one point deep in repulsion would shorten all steps.
-        """
+        """Write the gap after a Newton step, see :meth:`LawKernels.advance`."""
         tangent = 6.0 / length
         for i in range(gap.size):
             d = gap[i]

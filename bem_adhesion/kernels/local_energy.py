@@ -1,13 +1,13 @@
 """Local energy of the interface: a law or a wall, in a window of the grid or everywhere, and anchor springs."""
 
-from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 
 from bem_adhesion.kernels.law import HELD, PINNED, blocks, kernels_of, law_gradient
+from bem_adhesion.operators.fourier import Load
 from bem_adhesion.operators.free_space import Window
-from bem_adhesion.operators.load import Load
 from contact_study.numerics.inner_product import inner_product
 from contact_study.physics.laws import TractionLaw
 
@@ -55,22 +55,14 @@ class LocalEnergy:
             traction += pull
         return potential
 
-    def gradient(
-        self,
-        pressing: np.ndarray,
-        gap: np.ndarray,
-        traction: np.ndarray,
-        pressure: float,
-        right_side: np.ndarray,
-        curvature: np.ndarray,
-    ) -> tuple[float, float, float, float]:
+    def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
         """Form the gradient as :meth:`LawKernels.gradient`, and add the springs to the curvature of free points."""
         if self._window is None:
             result = self._kernels.gradient(pressing, gap, traction, pressure, right_side, curvature)
         else:
             rows, columns = self._window.slices
 
-            def form(here: Any, gradient: Callable[..., Any], *constants: float) -> Any:
+            def form(here, gradient, *constants):
                 fields = pressing[here], gap[here], traction[here]
                 return gradient(*fields, pressure, right_side[here], curvature[here], *constants)
 

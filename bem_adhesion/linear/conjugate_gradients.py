@@ -1,29 +1,69 @@
 """The linearised contact: conjugate gradients for (K + D) x = r with a preconditioner split into core and tail.
 
-K is the solid, D = φ'' the curvature of the law at each point: large where surfaces repel (the core), small and often
-negative where they attract (the tail). A weight b² = c / (D⁺ + c) separates them, and
-
-    z = (1 − b²) / (D⁺ + ½ K_max) r + b (K + c)⁻¹ b r
-
-inverts D in the core and K in the tail, with one pair of transforms, whatever the grid. All arrays are in float32.
+K is the solid, D = φ'' the law's curvature: large where surfaces repel (the core), small and often negative where they
+attract (the tail). z = (1 − b²) / (D⁺ + ½ K_max) r + b (K + c)⁻¹ b r inverts D in the core and K in the tail with one
+pair of transforms, b² = c / (D⁺ + c). All arrays are in float32.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from bem_adhesion.linear.preconditioner import FourierPreconditioner
-from bem_adhesion.operators.fourier import PeriodicOperator
+from bem_adhesion.operators.fourier import MakeOperator, PeriodicOperator
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
 from contact_study.numerics.inner_product import inner_product
 from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory
-from contact_study.numerics.multigrid import Inverse
+from contact_study.numerics.multigrid import HALVINGS, SHORT_WAVES, HalvedInverse, Inverse, can_be_halved
 
 # Rounding of float32: an energy of a direction s below this fraction of the terms that it is the sum of is negative;
 # above this fraction of |s|² the terms need not be computed.
 CURVATURE_ROUNDING = 1e-7
 # Reduction and iterations of a contact stiffness.
 STIFFNESS_REDUCTION, STIFFNESS_ITERATIONS = 1e-4, 400
+
+
+def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
+    """Return rms slope over rms height, at least the longest wave's wavenumber (1/m), whatever the size: for c."""
+    power = grid.variances(fourier.transform(height))
+    lowest = 2 * np.pi / max(grid.size)
+    variance = power.sum()
+    if variance == 0:
+        return lowest
+    return max(lowest, float(np.sqrt(np.sum(grid.wavenumber**2 * power) / variance)))
+
+
+class FourierPreconditioner:
+    """The inverse by the transforms of an operator, with the shift c (Pa/m)."""
+
+    def __init__(self, operator: PeriodicOperator, shift: float):
+        self.field = operator.field
+        self._operator = operator
+        self._inverse = operator.inverse_shifted(shift)
+
+    def apply_and_sum(self) -> float:
+        return self._operator.apply_and_sum(self._inverse)
+
+
+def preconditioner_for(
+    operator: PeriodicOperator,
+    make_operator: MakeOperator,
+    shift: float,
+    short_waves: float = SHORT_WAVES,
+    halvings: int = HALVINGS,
+) -> tuple[Inverse, list[PeriodicOperator]]:
+    """Return the inverse on an operator in float32, and the coarser operators that it has long waves on.
+
+    Only waves longer than a few points need K: on coarser grids the iterations are as many, for a sixteenth of the
+    transforms (:mod:`contact_study.numerics.multigrid`).
+    """
+    rows, columns = operator.grid.shape
+    if not (halvings and can_be_halved((rows, columns))):
+        return FourierPreconditioner(operator, shift), []
+    coarse = make_operator(operator.grid.with_shape((rows // 2, columns // 2)), np.float32)
+    inverse, coarser = preconditioner_for(coarse, make_operator, shift, short_waves, halvings - 1)
+    return HalvedInverse(operator.field, inverse, operator.largest, short_waves), [coarse, *coarser]
 
 
 @kernel
@@ -106,11 +146,7 @@ class LinearResult(NamedTuple):
 
 
 class LinearisedContact:
-    """Workspace of the linear solver on one grid, for an elastic solid in float32 and the shift c (Pa/m).
-
-    ``solution`` is the step x (m), ``direction`` the last search direction: one of negative curvature if the solver
-    stopped on it. Both are in the ``idle`` memory, free between two solves.
-    """
+    """Linear solver on one grid for a shift c (Pa/m): the ``solution`` (m) is in memory ``idle`` between two solves."""
 
     def __init__(
         self,
@@ -138,8 +174,7 @@ class LinearisedContact:
     ) -> LinearResult:
         """Solve (K + D⁺ + softening·D⁻) x = right side until |residual| <= reduction·|right side| (2-norms).
 
-        The right side is −gradient (Pa), D = φ'' (Pa/m), both in float32. ``total`` is the largest |Σ residual| at the
-        end (Pa): the softest mode of a light contact, its mean gap, may be a small part of the 2-norm.
+        ``total`` is the largest |Σ residual| (Pa): a light contact's softest mode, its mean gap, is little of the norm.
         """
         operator, buffer = self.operator, self.operator.field
         weights = self._shift, self._grid
@@ -173,9 +208,8 @@ class LinearisedContact:
     def mean_stiffness(self, curvature: np.ndarray, held: np.ndarray) -> float:
         """Return −dp/dū (Pa/m): zero without a force, infinite if held everywhere, NaN at a fold.
 
-        Under a pressure that grows by dp every free point follows its balance, (K + φ'') x = −dp. Of all x of one mean
-        it has the least energy, so that the error of −dp/dū = <x, (K + φ'') x> / <x>² is the square of that of x. The
-        solve starts with the rigid displacement and removes what is out of balance except a constant, which is dp.
+        Free points follow (K + φ'') x = −dp. Of all x of one mean it has the least energy, so that the error of
+        −dp/dū = <x, (K + φ'') x> / <x>² is the square of that of x, solved for from the rigid displacement.
         """
         if held.all():
             return np.inf

@@ -1,10 +1,7 @@
-"""The periodic elastic solid on a grid: linear maps applied by Fourier transforms.
-
-A solver receives a function that makes the operator for any grid and precision, so that its coarser grids have the same
-solid.
-"""
+"""The periodic elastic solid on a grid, linear maps applied by Fourier transforms, and loads on it."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +9,7 @@ import numpy as np
 from bem_adhesion.operators.trace import Phase, Reporter, Trace, TracedTransform
 from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
+from contact_study.numerics.inner_product import inner_product
 from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory, Scratch
 from contact_study.physics.solids import Elasticity
@@ -49,11 +47,10 @@ def _multiply_and_sum(spectrum, factors, has_nyquist_column):
 
 
 class PeriodicOperator:
-    """A solid repeated with the period of the grid: its maps are factors in Fourier space, one transform pair each.
+    """A periodic solid: write into :attr:`field`, apply a map, one transform pair, and read the result there.
 
-    Write into :attr:`field`, apply a map, read the result there. ``stiffness`` is K, displacement (m) to the pressure
-    that holds it (Pa), ``largest`` its largest eigenvalue; ``compliance`` leads to a displacement of zero mean; a
-    ``mean_stiffness``, K at q = 0 (Pa/m), adds a spring on the mean displacement.
+    ``stiffness`` is K, ``largest`` its largest eigenvalue; ``compliance`` leads to a displacement of zero mean;
+    ``mean_stiffness`` (Pa/m) is K at q = 0, a spring on the mean displacement.
     """
 
     def __init__(
@@ -156,3 +153,41 @@ def periodic(
         return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch, memory, reporter)
 
     return make
+
+
+@dataclass(frozen=True)
+class Load:
+    """A uniform pressure and a field of pressures (Pa), or with a ``unit`` heights h in it (m).
+
+    A solver needs ``pressing`` = K d + field and the field's energy. K h is not stored: pressing = K (d + h), and
+    ½ <d, K d> + <d, K h> = ½ <pressing, d + h> − ½ <h, K h>.
+    """
+
+    field: np.ndarray
+    unit: float | None = None
+    pressure: float = 0.0
+    energy: float = 0.0  # the part that does not depend on the gap (J/m²)
+
+    @classmethod
+    def of_heights(cls, solid: PeriodicOperator, height: np.ndarray, unit: float) -> "Load":
+        """Return the load of heights on a solid, without pressure; its energy is −½ <h, K h>."""
+        load = cls(height, unit)
+        flattening = load.press(np.zeros(height.shape), solid)
+        return replace(load, energy=-0.5 * unit * inner_product(flattening, height))
+
+    def press(self, gap: np.ndarray, solid: PeriodicOperator) -> np.ndarray:
+        """Write K d + field of a gap (Pa) into the operator's field; return it."""
+        if self.unit is not None:
+            np.multiply(self.field, self.unit, out=solid.field)
+            solid.field += gap
+            return solid.apply(solid.stiffness)
+        solid.field[...] = gap
+        pressing = solid.apply(solid.stiffness)
+        pressing += self.field
+        return pressing
+
+    def rest_of_energy(self, pressing: np.ndarray, gap: np.ndarray, here: slice) -> float:
+        """Return Σ ½ d·K d + field·d − ½ pressing·d in some rows, without their part of :attr:`energy` (J/m²)."""
+        if self.unit is None:
+            return 0.5 * inner_product(self.field[here], gap[here])
+        return 0.5 * self.unit * inner_product(pressing[here], self.field[here])

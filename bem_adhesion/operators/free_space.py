@@ -1,14 +1,9 @@
 """A half-space under a surface of finite extent: free boundaries by padded convolution.
 
-The displacement of a pressure that is uniform on each cell of the grid is its convolution with that of one cell,
-C(x, y) = (1/πE*) ∫∫ dξ dη / √((x−ξ)² + (y−η)²), in closed form (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929);
-K. L. Johnson, Contact Mechanics, Cambridge 1985, sec. 3.3). On a periodic grid of twice the extent, with C by the
-shorter way around, the periodic convolution of a pressure that vanishes outside the surface is the free one inside it,
-exactly (R. W. Hockney, Methods Comput. Phys. 9, 135 (1970)). All wavevectors of this C are positive: its inverse is the
-stiffness of one more periodic solid, and the law acts only in its :class:`Window`.
-
-The undeformed surface is at <displacement> − <p> / K(q=0). With this stiffness of the mean the approach is prescribed;
-without it, and with the uniform pressure <p> instead, the force.
+The displacement of cells of uniform pressure is their convolution with that of one, C, in closed form (A. E. H. Love,
+Phil. Trans. R. Soc. A 228, 377 (1929)). On a periodic grid of twice the extent, with C by the shorter way around, it is
+the free one inside the surface, exactly (R. W. Hockney, Methods Comput. Phys. 9, 135 (1970)): the inverse of C is the
+stiffness of one more periodic solid, whose undeformed surface is at <displacement> − <p> / K(q=0).
 """
 
 from dataclasses import dataclass

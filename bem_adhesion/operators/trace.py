@@ -1,7 +1,4 @@
-"""Reports of a solver's work while it runs: a callback for progress, benchmarks and tests.
-
-A trace that reads the clock at each mark has the time of every phase; solves without one run the same code as before.
-"""
+"""Reports of a solver's work while it runs: a callback for progress, benchmarks and tests."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

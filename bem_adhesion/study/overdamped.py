@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from bem_adhesion.operators.load import Load
+from bem_adhesion.operators.fourier import Load
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
 from bem_adhesion.study.state import interface_state, solver_options
 from contact_study.numerics.balance import excess
@@ -47,11 +47,7 @@ class Moved:
 
 
 class OverdampedContact(AdhesiveContact):
-    """The contact of a case under pressure control, in overdamped motion.
-
-    Its states in motion are gaps (m); drag is a stiffness (Pa/m), load the mean pressure (Pa), ``allowed`` the local
-    error of a time step (m).
-    """
+    """The contact of a case in overdamped motion: states are gaps (m), drag is a stiffness (Pa/m), loads are in Pa."""
 
     def __init__(self, case: Case, surface: Surface, allowed: float):
         super().__init__(

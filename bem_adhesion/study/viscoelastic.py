@@ -10,7 +10,7 @@ import numpy as np
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.process_zone import TOO_COARSE
 from bem_adhesion.solution import Solution
-from bem_adhesion.study.adaptive import ledger_of, passed_states
+from bem_adhesion.study.quasi_static import ledger_of, passed_states
 from bem_adhesion.study.state import interface_state, solver_options
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface

@@ -1,9 +1,10 @@
-"""The paper's system in small: material, law and surfaces for the tests of this package."""
+"""The paper's system in small: material, law and surfaces for the tests of this package, SI units."""
 
 import numpy as np
 
-from bem_adhesion.adhesive.contact import AdhesiveContact
-from contact_study.physics.laws.lennard_jones import LennardJones104
+from bem_adhesion.hard_wall.contact import HardWallContact
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws import HardWall, LennardJones104
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
@@ -49,14 +50,47 @@ def study_table(points: int, seed: int = 1, size: float = SIZE, **sections: dict
     return table
 
 
-def surface(points: int, seed: int = 1, size: float = SIZE) -> Surface:
+def surface(points: int, seed: int = 1, size: float = SIZE, cutoff_mode: int = 12) -> Surface:
     """The paper's rough surface, root-mean-square height 10 Å."""
-    return realise(make_study(study_table(points, seed, size)).cases[0])
+    return realise(make_study(study_table(points, seed, size, surface={"cutoff_mode": cutoff_mode})).cases[0])
 
 
-def touching(contact: AdhesiveContact) -> np.ndarray:
-    """Displacement of the flat block whose lowest gap is the law's equilibrium distance: a start within its reach."""
-    return np.full(contact.height.shape, contact.height.max() + contact.law.equilibrium_distance)
+def self_affine(points, cutoff_mode=12, seed=1):
+    """Heights of the paper's surface, and their grid."""
+    rough = surface(points, seed, cutoff_mode=cutoff_mode)
+    return rough.heights((points, points)), rough.grid
+
+
+def random_heights(shape, exponent, seed):
+    """Gaussian heights of unit variance with amplitudes |q|^−exponent up to the grid's shortest wave, and the grid."""
+    grid = Grid(shape, (1.0 * shape[0] / shape[1], 1.0))
+    coefficients = np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))
+    coefficients[0, 0] = 0
+    coefficients *= np.where(grid.wavenumber > 0, grid.wavenumber, 1) ** -exponent
+    heights = np.fft.irfft2(coefficients, shape)
+    return heights / heights.std(), grid
+
+
+def stepped(contact, targets):
+    """The solutions along a path from separation."""
+    state, found = contact.separated(), []
+    for target in targets:
+        found.append(contact.step(state, target))
+        state = found[-1].state
+    return found
+
+
+def wall_at(height, grid, mean_pressure, modulus=E_STAR):
+    """Contact with a hard wall under a mean pressure, from separation."""
+    return stepped(HardWallContact(height, grid, modulus), [mean_pressure])[0]
+
+
+def approach_of(found, height, solid, the_law=HardWall()):  # noqa: B008
+    """Of the undeformed surface beyond first touch of a surface that had not yielded."""
+    plane = found.plane
+    if plane is None:
+        plane = float(np.mean(found.displacement)) - solid.mean_compliance * float(found.pressure.mean())
+    return height.max() + the_law.equilibrium_distance - plane
 
 
 def relative_contact_area(gap: np.ndarray) -> float:

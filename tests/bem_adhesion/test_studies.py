@@ -11,24 +11,11 @@ from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import study_table
 from tests.laws_of_all_kinds import EVERY_LAW, KEYS
-from tests.study.test_elasticity import isotropic, on_half_space, through_the_thickness
 
-E, NU = 77.2e9, 0.42
-Q = np.geomspace(1e8, 1e10, 41)
 SOLIDS = {
-    "layer": ({"thickness": "1 nm"}, lambda q: through_the_thickness(q * 1e-9, E / (2 * (1 + NU)), NU, 1.0) * 1e9),
-    "layered": (
-        {"thickness": "1 nm", "base_youngs_modulus": "10 GPa", "base_poissons_ratio": 0.3},
-        lambda q: on_half_space(q * 1e-9, isotropic(10.0, 0.3), isotropic(E * 1e-9, NU), 1.0) * 1e18,
-    ),
-    "transversely_isotropic": (
-        {"axial_modulus": "40 GPa", "axial_poissons_ratio": 0.2, "axial_shear_modulus": "12 GPa"},
-        None,
-    ),
-    "tabulated": (
-        {"wavenumber": Q.tolist(), "stiffness": (0.5 * Q * (5e10 + 5 * Q)).tolist()},
-        lambda q: 0.5 * q * (5e10 + 5 * q),
-    ),
+    "layered": {"thickness": "1 nm", "base_youngs_modulus": "10 GPa", "base_poissons_ratio": 0.3},
+    "transversely_isotropic": {"axial_modulus": "40 GPa", "axial_poissons_ratio": 0.2, "axial_shear_modulus": "12 GPa"},
+    "tabulated": {"wavenumber": [1e8, 1e9, 1e10], "stiffness": [3e18, 3e19, 3e20]},
 }
 HARD_WALL = {"law": "hard_wall", "work_of_adhesion": None, "length": None, "contact_distance": None}
 FREE = {
@@ -98,6 +85,7 @@ def test_a_study_meets_its_loads_and_is_gone_on_from_to_the_same_numbers(name, t
     whole = run(table)
     assert np.all(whole.converged == 1)
     assert not whole.detached.any()
+    assert ("contact_stiffness" in whole) == table.get("output", {}).get("stiffness", False)
     control = table["loading"].get("control", "pressure")
     applied = whole[f"applied_{control}"].values
     if control == "approach":
@@ -115,45 +103,14 @@ def test_a_study_meets_its_loads_and_is_gone_on_from_to_the_same_numbers(name, t
             np.testing.assert_array_equal(longer[variable], whole[variable], err_msg=variable)
 
 
-@pytest.mark.parametrize("name", [name for name in KEYS if name != "hard_wall"])
-def test_every_law(name):
-    table = study_table(32, size=500e-10, loading={"path": [0.2e9, 2e9, 20e9]})
+@pytest.mark.parametrize("name", KEYS)
+def test_keys_make_every_law(name):
+    table = study_table(32, interaction=HARD_WALL)
     table["interaction"] = {"law": name, **KEYS[name]}
-    dataset, law = run(table), EVERY_LAW[name]
-    assert bool(np.all(dataset.converged == 1))
-    assert dataset.work_of_adhesion.item() == pytest.approx(law.work_of_adhesion, rel=1e-12)
-    assert dataset.equilibrium_distance.item() == pytest.approx(law.equilibrium_distance, abs=0, rel=1e-12)
-    assert dataset.peak_tensile_stress.item() == pytest.approx(law.peak_tensile_stress, rel=1e-12)
-    area = dataset.relative_contact_area.values
-    order = np.argsort(dataset.mean_gap.values[:3])
-    assert np.all(np.diff(area[:3][order]) < 0), "closer surfaces touch more"
-    assert 0 < area.min() < area.max() <= 1
-
-
-@pytest.mark.parametrize("law", ["hard_wall", "lennard_jones_10_4"])
-@pytest.mark.parametrize("kind", SOLIDS)
-def test_every_solid_is_in_balance_under_the_k_of_an_integration(kind, law):
-    keys, stiffness = SOLIDS[kind]
-    table = study_table(32, size=200e-10, loading={"path": [1e9, 4e9]}, output={"fields": True})
-    table["surface"]["rms_height"] = 2e-10
-    table["interaction"] = {"law": law, **KEYS[law]}
-    table["elasticity"] = {"kind": kind, **keys}
-    dataset = run(table)
-    assert np.all(dataset.converged == 1)
-    axis = 2 * np.pi * np.fft.fftfreq(32, 200e-10 / 32)
-    q = np.hypot(axis[:, None], axis[None, : 16 + 1])
-    if kind == "transversely_isotropic":
-        modulus = dataset.contact_modulus.item()
-        assert 20e9 < modulus < E / (1 - NU**2), "softer along its normal"
-        k = 0.5 * modulus * q
-    else:
-        waves, at = np.unique(np.round(q), return_inverse=True)  # of some 1e8 / m
-        k = np.array([stiffness(wave) if wave else 0.0 for wave in waves])[at].reshape(q.shape)
-    for gap, pressure in zip(dataset.gap.values, dataset.pressure.values, strict=True):
-        elastic = np.fft.irfft2(k * np.fft.rfft2(dataset.height.values + gap), gap.shape)
-        # Interpolation of a table in ln q is good to 1e-4; otherwise the solver's tolerance.
-        scale = 1e-3 if kind == "tabulated" else 1e-6
-        np.testing.assert_allclose(elastic + pressure.mean(), pressure, atol=scale * 93.7e9)
+    gap, law = np.geomspace(2.5e-10, 2e-9, 50), make_study(table).cases[0].law
+    assert type(law) is type(EVERY_LAW[name])
+    if name != "hard_wall":
+        np.testing.assert_allclose(law.traction(gap), EVERY_LAW[name].traction(gap), rtol=1e-12)
 
 
 def test_what_has_yielded_stays():
@@ -162,7 +119,6 @@ def test_what_has_yielded_stays():
     assert 0 < 1.5 * work[0] < work[1]
     np.testing.assert_allclose(work[2:], work[1], rtol=1e-9, err_msg="up to where it was loaded nothing more yields")
     np.testing.assert_allclose(work, 4e9 * found.mean_plastic_indentation, rtol=1e-12)
-    np.testing.assert_allclose(found.plastic_indentation.mean(("y", "x")), found.mean_plastic_indentation, rtol=1e-12)
     np.testing.assert_allclose(found.mean_gap - found.mean_separation, found.mean_plastic_indentation, atol=1e-21)
 
 
@@ -186,10 +142,7 @@ def test_adaptive_steps_dissipate_pull_off_and_keep_the_states_they_pass(tmp_pat
     for point in whole.step.values[:2]:
         passed = whole.passed_separation.transpose("step", ...).sel(step=point).dropna("passed").values
         assert passed[-1] == pytest.approx(float(whole.mean_separation.sel(step=point)), rel=1e-12), "itself comes last"
-    lowest, off = float(whole.pull_off_pressure), float(whole.pull_off_pressure_resolution_error)
-    assert 0 < off <= 0.02 * 3e9
-    held = run({**table, "loading": {"path": [1e9, lowest + 1e6, lowest - 1.5 * off]}})
-    assert held.detached.values.tolist() == [0, 0, 1]
+    assert 0 < float(whole.pull_off_pressure_resolution_error) <= 0.02 * 3e9
     # The least step follows the largest pressure: a longer path computes the points before it again.
     output = tmp_path / "path.nc"
     run(shortened(table), output=output)
@@ -205,7 +158,7 @@ def overdamped(**sections):
 
 def lattice(kind):
     table = study_table(32, loading={"path": [1e9]}, material={"lattice_constant": 2.6e-10})
-    return {**table, "elasticity": {"kind": kind, **SOLIDS[kind][0]}}
+    return {**table, "elasticity": {"kind": kind, **SOLIDS[kind]}}
 
 
 ATOMIC = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 3e-10}
@@ -219,10 +172,10 @@ REFUSED = [
     (viscoelastic(output={"stiffness": True}), r"output\.stiffness"),
     (viscoelastic(material={"youngs_modulus": 1e9, "poissons_ratio": 0.5, "hardness": 1e8}), r"material\.hardness"),
     (viscoelastic(elasticity={"kind": "half_space"}), r"loading\.duration.*no time"),
-    (viscoelastic(elasticity={**TIMES, "relaxation_times": [1.0]}), "one of"),
     (viscoelastic(elasticity={**TIMES, "boundary": "free"}), r"elasticity\.boundary"),
     (plastic(loading={"path": [1e9, 4e9]}), "4e[+]09 Pa is not below material.hardness = 4e[+]09"),
     (plastic(loading={"path": [0.0], "control": "gap"}), "gaps above zero"),
+    (study_table(32, loading={"path": [-1e-9], "control": "gap"}, interaction=HARD_WALL), "leaves no gap between"),
     (plastic(interaction={"law": "dugdale", "length": 1e-10, "work_of_adhesion": 0.1}), "hard_wall"),
     (free(loading={"path": ["1 nm"], "control": "gap"}), r'control = "gap": .*"pressure" or "approach"'),
     (free(loading={"path": ["1 nm"], "control": "approach"}, elasticity={}), r'"approach": .*"pressure" or "gap"'),
@@ -232,7 +185,7 @@ REFUSED = [
     ),
     (on_layer(elasticity={"kind": "half_space", "thickness": None}), '"half_space" by no finite distance'),
     (on_layer(**HALF), '"layer" not at all, being incompressible.*"pressure" or "gap"'),
-    (on_layer(elasticity={"kind": "layered", **SOLIDS["layered"][0]}), '"layered" by no finite'),
+    (on_layer(elasticity={"kind": "layered", **SOLIDS["layered"]}), '"layered" by no finite'),
     (overdamped(loading={"control": "gap", "path": [1e-10]}), 'loading.control = "gap".*solver.path'),
     (overdamped(elasticity={"boundary": "free"}), 'elasticity.boundary = "free".*periodic'),
     (overdamped(loading={"path": [1e9], "adaptive": True}), "loading.adaptive = true.*overdamped"),

@@ -9,7 +9,7 @@ from md_reference.interface.substrate import Substrate
 from md_reference.solution import Outcome
 from md_reference.statics.contact import at_mean_gap, separated
 from md_reference.statics.newton import EquilibriumSolver
-from tests.bem_adhesion.rough_surfaces import random_heights
+from tests.bem_adhesion.paper_system import random_heights
 from tests.md_reference.systems import (
     AREA,
     CONTACT_MODULUS,
