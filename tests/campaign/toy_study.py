@@ -22,7 +22,7 @@ cutoff_mode = 4
 [material]
 youngs_modulus = "77.2 GPa"
 poissons_ratio = 0.42
-lattice_constant = "2.6 angstrom"
+lattice_constant = "2.5 angstrom"
 [interaction]
 work_of_adhesion = "0.69 J/m^2"
 length = "3.28 angstrom"
