@@ -10,6 +10,7 @@ from scipy.interpolate import PchipInterpolator, PPoly
 
 from contact_study.inputs.units import stress
 from contact_study.numerics.arguments import finite
+from contact_study.numerics.inner_product import inner_product
 from contact_study.physics.laws.base import TractionLaw
 from theory.datasets import dataset_of
 from theory.gap_flow.gap_grid import GapNodes
@@ -100,18 +101,18 @@ class GapState:
     @property
     def complete(self) -> bool:
         """Whether the distribution holds the whole area and the mean gap, which every step keeps but for rounding."""
-        area, gap = self.weights.sum(), self.weights @ self.gaps
+        area, gap = self.weights.sum(), inner_product(self.weights, self.gaps)
         return bool(abs(area - 1) < _KEPT and abs(gap * self.length - self.mean_gap) < _KEPT * self.mean_gap)
 
     @property
     def interaction_energy(self) -> float:
         """<φ> (J/m²)."""
-        return float(self.weights @ self.law.potential(self.gaps)) * self.contact_modulus * self.length
+        return inner_product(self.weights, self.law.potential(self.gaps)) * self.contact_modulus * self.length
 
     @property
     def mean_traction(self) -> float:
         """−<φ'>, which balances :attr:`pressure` up to the resolution of gaps and scales (Pa)."""
-        return -float(self.weights @ self.law.traction(self.gaps)) * self.contact_modulus
+        return -inner_product(self.weights, self.law.traction(self.gaps)) * self.contact_modulus
 
     @property
     def stress_balance(self) -> float:
