@@ -40,14 +40,6 @@ class Quartic:
         return 0.25 * self.strength * float(np.sum(z**4))
 
 
-def chain(sampler, displacement, count, seed=0, equilibration=50):
-    generator = np.random.default_rng(seed)
-    state = sampler.equilibrated(sampler.start(displacement), equilibration, generator)
-    for _ in range(count):
-        state = sampler.next(state, generator)
-        yield state
-
-
 def test_anharmonic_well_is_sampled_exactly(monkeypatch):
     monkeypatch.setattr("md_reference.thermal.hmc._OUTER_KICK", 0.25)
     shape, temperature, pressure = (4, 4), 300.0, 2e9
@@ -121,7 +113,10 @@ def test_cold_atoms_stand_where_the_minimiser_puts_them(pressed, fixed_mean):
     sampler, equilibrium = pressed[0](0.01, fixed_mean), pressed[1]
     lowest = sampler.potential_energy(sampler.start(equilibrium))
     energies, places = [], []
-    for state in chain(sampler, equilibrium, 150):
+    generator = np.random.default_rng(0)
+    state = sampler.equilibrated(sampler.start(equilibrium), 50, generator)
+    for _ in range(150):
+        state = sampler.next(state, generator)
         energies.append(sampler.potential_energy(state) - lowest)
         places.append(sampler.displacement(state))
     freedoms = equilibrium.size - (1 if fixed_mean else 0)
