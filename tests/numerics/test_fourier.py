@@ -14,7 +14,7 @@ from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Scratch
 
-SHAPES = [(8, 8), (9, 9), (8, 9), (9, 8), (12, 5), (5, 12), (1, 6), (6, 1)]
+SHAPES = [(8, 9), (9, 8), (12, 5), (1, 6), (6, 1)]
 
 
 def random_field(shape, seed=0):
@@ -42,7 +42,7 @@ def test_laplacian_of_a_wave(shape):
     assert plan.pairs == 1
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.tuples(*[st.integers(1, 9)] * 2), st.tuples(*[st.integers(0, 8)] * 2), st.integers(0, 99))
 def test_interpolation_keeps_the_samples_and_is_undone(shape, more, seed):
     """On a grid that contains the old points the interpolant passes through them; coarsening gives them back."""

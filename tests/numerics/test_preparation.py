@@ -38,18 +38,10 @@ def test_tilt_is_removed_and_nothing_else(shape, plane, seed):
 
 @settings(deadline=None, max_examples=25)
 @given(SIDES, st.tuples(*[COEFFICIENT] * 6))
-def test_curvature_is_removed_whole_and_a_tilt_leaves_it(shape, c):
+def test_curvature_is_removed_whole(shape, c):
     y, x = np.mgrid[: shape[0], : shape[1]]
     bowl = c[0] + c[1] * y + c[2] * x + c[3] * y**2 + c[4] * x * y + c[5] * x**2
     np.testing.assert_allclose(detrended(bowl, 2), 0, atol=1e-10)  # rounding of heights up to 3e3
-    for axis in range(2):
-        second = np.diff(bowl, 2, axis=axis)
-        np.testing.assert_allclose(np.diff(detrended(bowl, 1), 2, axis=axis), second, atol=1e-10)
-
-
-def test_the_mean_is_that_of_the_points_that_are_there():
-    heights = np.array([[1.0, 2.0, np.nan, 5.0]] * 4)
-    np.testing.assert_allclose(detrended(heights, 0)[0], [-5 / 3, -2 / 3, np.nan, 7 / 3], atol=1e-14)
 
 
 @settings(deadline=None, max_examples=25)

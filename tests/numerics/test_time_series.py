@@ -13,7 +13,7 @@ def exponential_memory(time, count, columns):
     return lfilter([1.0], [1.0, -correlation], noise, axis=0)
 
 
-@pytest.mark.parametrize(("time", "count"), [(0.5, 300), (1.5, 300), (4.5, 300), (4.5, 1500)])
+@pytest.mark.parametrize(("time", "count"), [(0.5, 300), (4.5, 300)])
 def test_error_of_the_mean_is_what_repeated_series_scatter_by(time, count):
     found = statistics_of(exponential_memory(time, count, 4000))
     # The bias of τ is of the order of the window over the series, 5τ/n; the floor of ½ lifts one of ½ by its noise.
@@ -54,7 +54,7 @@ def test_nothing_is_known_of_the_error_of_what_is_not_finite():
 
 
 @pytest.mark.parametrize("time", [0.5, 20.0])
-@pytest.mark.parametrize("count", [2, 10, LEAST_STATES - 1])
+@pytest.mark.parametrize("count", [2, LEAST_STATES - 1])
 def test_few_values_tell_no_memory(time, count):
     found = statistics_of(exponential_memory(time, count, 1000))
     assert not found.resolved.any()
@@ -65,16 +65,12 @@ def test_few_values_tell_no_memory(time, count):
 @pytest.mark.parametrize(
     ("time", "count", "share", "wrongly"),
     [
-        # Found shares of wrong ones, 0.100, 0.116, 0.081 and 0.098, and a fifth, four deviations of the least. With
-        # windows of up to half of the series they are 0.20, 0.34, 0.11 and 0.14.
+        # Found shares of wrong ones, 0.100 and 0.098, and a fifth. With windows of up to half of the series they are
+        # 0.20 and 0.14.
         (20, 60, 0.0, 0.12),
-        (50, 60, 0.0, 0.14),
-        (20, 100, 0.0, 0.098),
         (50, 200, 0.0, 0.117),
         # Four errors are exceeded once in 16 000 times by normal numbers; an error of few τ is itself uncertain.
         (0.5, LEAST_STATES, 0.99, 0.015),
-        (0.8, 60, 0.98, 0.015),
-        (2, 60, 0.88, 0.015),
         (5, 300, 0.98, 0.015),
     ],
 )

@@ -12,9 +12,7 @@ from tests.results.test_observables import BINS, state
 @pytest.mark.parametrize(
     ("text", "sides"),
     [
-        ("..... ..... .....", (0, 0)),
         ("##### ##### #####", (0, 0)),
-        ("..... .##.. .....", (4, 2)),
         ("#...# ..... .....", (4, 2)),  # one patch across the edge
         ("##### ..... .....", (10, 0)),
     ],

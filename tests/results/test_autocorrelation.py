@@ -28,7 +28,7 @@ def counted(contact, spacing, periodic=True):
         return sums / pairs
 
 
-@pytest.mark.parametrize(("shape", "spacing"), [((16, 16), (1.0, 1.0)), ((9, 14), (1.0, 0.7)), ((12, 7), (0.2, 0.3))])
+@pytest.mark.parametrize(("shape", "spacing"), [((9, 14), (1.0, 0.7)), ((12, 7), (0.2, 0.3))])
 @pytest.mark.parametrize("periodic", [True, False])
 def test_equals_the_count_of_pairs(shape, spacing, periodic):
     contact = np.random.default_rng(1).random(shape) < 0.4

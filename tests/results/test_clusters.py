@@ -13,45 +13,9 @@ def contact_map(text):
     return np.array([[mark == "#" for mark in line] for line in text.split()])
 
 
-@pytest.mark.parametrize(
-    ("text", "sizes"),
-    [
-        ("..... ..... .....", []),
-        ("##### ##### #####", [15]),
-        (".#.#. .#.#. .....", [2, 2]),
-        ("#...# ..... .....", [2]),  # across the edge along x
-        ("#...# ..... #...#", [4]),  # across both: the four corners of the map are one patch
-        ("#.... ..... ....#", [1, 1]),  # corners that meet only by a corner across both edges
-        (".#... ..#.. .....", [1, 1]),  # a corner is no connection
-        ("##.## ..... .#...", [5]),  # in three pieces of the map
-        ("#.#.# #.#.# #.#.#", [6, 3]),  # stripes, one of them across the edge
-    ],
-)
-def test_clusters_by_hand(text, sizes):
-    assert sorted(cluster_sizes(contact_map(text)), reverse=True) == sizes
-
-
 def test_with_free_boundaries_clusters_end_at_the_rim():
     assert cluster_sizes(contact_map("#...# ..... #...#"), periodic=False).tolist() == [1, 1, 1, 1]
     assert cluster_sizes(contact_map("#.#.# #.#.# #.#.#"), periodic=False).tolist() == [3, 3, 3]
-
-
-@pytest.mark.parametrize(
-    ("text", "around"),
-    [
-        ("..... ..... .....", False),
-        ("##### ##### #####", True),
-        ("##### ..... .....", True),
-        ("##.## ..... .....", False),  # over the edge, and ends
-        ("#.... .#... ..#.. ...#. ....#", False),  # corners do not connect
-        ("##... .##.. ..##. ...## #...#", True),  # the diagonal does, around both
-        ("###.. ..### .....", False),  # a step whose ends do not meet over the edge
-        ("###.. ..### #...#", True),  # there a third row joins them
-    ],
-)
-def test_percolation_by_hand(text, around):
-    assert percolates(contact_map(text)) is around
-    assert percolates(contact_map(text).T) is around
 
 
 @pytest.mark.parametrize(
@@ -71,7 +35,7 @@ def test_percolation_with_free_boundaries_by_hand(text, through):
 
 
 @given(arrays.arrays(bool, st.tuples(st.integers(1, 8), st.integers(1, 8))))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_clusters_are_those_of_walks_over_the_torus(contact):
     """From each point in turn; a walk that comes back to a point in another period goes around."""
     rows, columns = contact.shape

@@ -3,7 +3,6 @@
 import sys
 import tomllib
 
-import numpy as np
 import pytest
 from own_kinds import LARGEST_GAP, OwnInteraction, OwnMorse, RidgeSection
 
@@ -14,15 +13,6 @@ from contact_study.results.state import Observable
 
 
 def check(study):
-    law, work, width, r0 = OwnMorse(0.1, 3.28e-10, 5e-11), 0.1, 5e-11, 3.28e-10
-    assert law.equilibrium_distance == pytest.approx(r0, abs=0, rel=1e-12)
-    assert law.peak_tensile_stress == pytest.approx(work / (2 * width), rel=1e-12)
-    assert law.peak_distance == pytest.approx(r0 + np.log(2) * width, abs=0, rel=1e-7)
-    assert law.equilibrium_stiffness == pytest.approx(2 * work / width**2, rel=1e-8)
-    pressure = np.geomspace(1e-6, 1e6, 13) * law.peak_tensile_stress
-    floor = 4 * np.finfo(float).eps * law.equilibrium_stiffness * law.equilibrium_distance  # of a rounded gap
-    np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-12, atol=floor)
-
     assert len(contact_study.make_study(study).cases) == 4
     for changes, words in (
         ({"law": "lennard_jones_10_4"}, 'interaction.width: law = "lennard_jones_10_4" has no such key'),

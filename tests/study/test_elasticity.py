@@ -72,16 +72,6 @@ def test_thin_incompressible_layers_resist_flow_along_them():
 MEASURED = Measured(3.0, [0.4, 2.0, 50.0], [1.0, 2.0, 80.0])
 
 
-@pytest.mark.parametrize("solid", [HalfSpace(3.0), Layer(3.0, 0.3, 0.2), Layered(3.0, 0.3, 0.2, 7.0, 0.4), MEASURED])
-def test_units_change_nothing(solid):
-    wavenumber, length, stress = np.array([0.5, 3.0, 40.0]), 1e-9, 1e9
-    scaled = solid.scaled(length, stress)
-    np.testing.assert_allclose(
-        scaled.stiffness(wavenumber * length) * stress / length, solid.stiffness(wavenumber), rtol=1e-14
-    )
-    assert scaled.mean_compliance * length / stress == pytest.approx(solid.mean_compliance, rel=1e-14)
-
-
 def test_stiffness_on_a_grid_is_that_of_each_wave_and_none_of_the_mean():
     grid, layer = Grid((6, 9), (2.0, 3.0)), Layer(3.0, 0.3, 0.2)
     stiffness_q = layer.stiffness_on(grid)
@@ -148,11 +138,10 @@ def test_theories_see_the_mean_over_directions():
 
 def test_impossible_tables_are_named():
     grid, solid = direction_dependent()
-    with pytest.raises(ValueError, match="table has shape"):
-        Tabulated(4.0, grid, solid.table[1:])
-    for wrong in (0.0, np.nan):
-        with pytest.raises(ValueError, match="positive and finite"):
-            Tabulated(4.0, grid, np.where(solid.table == solid.table[3, 2], wrong, solid.table))
+    negative = np.where(solid.table == solid.table[3, 2], -1.0, solid.table)
+    for table, words in ((solid.table[1:], "table has shape"), (negative, "positive and finite")):
+        with pytest.raises(ValueError, match=words):
+            Tabulated(4.0, grid, table)
     for other in (Grid((13, 10), grid.size), Grid((12, 12), grid.size), Grid(grid.shape, (3.0, 2.1))):
         with pytest.raises(ValueError, match="other waves"):
             solid.stiffness_on(other)
@@ -221,21 +210,7 @@ def on_half_space(q, base, layer=None, thickness=0.0):
     return 1 / (at_surface[1] @ weights)
 
 
-@pytest.mark.parametrize("ratios", [(0.0, 0.45), (0.49, 0.1), (-0.3, 0.2)])
-@pytest.mark.parametrize("contrast", [1e-3, 20.0])
-def test_layers_on_half_spaces_solve_the_equations_of_elasticity(contrast, ratios):
-    (ratio, base_ratio), thickness, modulus = ratios, 0.7, 3.0
-    solid = Layered(modulus / (1 - ratio**2), ratio, thickness, contrast * modulus / (1 - base_ratio**2), base_ratio)
-    assert (solid.layer_thickness, solid.depth) == (thickness, np.inf)
-    for thickness_in_waves in (0.01, 0.3, 1.0, 3.0):
-        q = thickness_in_waves / thickness
-        expected = on_half_space(q, isotropic(contrast * modulus, base_ratio), isotropic(modulus, ratio), thickness)
-        # Rounding of the integration: contrasts and growing exponentials.
-        lost = max(contrast, 1 / contrast) * np.exp(2 * thickness_in_waves)
-        assert solid.stiffness(q) == pytest.approx(expected, rel=1e-13 * lost + 1e-10)
-
-
-@pytest.mark.parametrize("constants", [(3.0, 0.3, 3.0, 0.3), (1.0, 0.2, 10.0, 0.3), (2.0, -0.2, 5.0, 0.4)])
+@pytest.mark.parametrize("constants", [(3.0, 0.3, 3.0, 0.3), (2.0, -0.2, 5.0, 0.4)])
 def test_transversely_isotropic_half_spaces_solve_the_equations_of_elasticity(constants):
     modulus, ratio, axial_modulus, axial_ratio = constants
     shear, known = modulus / 2.6, stiffnesses(*constants)
@@ -266,31 +241,20 @@ def test_a_table_of_stiffness_is_met_at_its_points_and_is_a_half_space_beyond():
     np.testing.assert_allclose(close.stiffness(between), layer.stiffness(between), rtol=2e-3)
 
 
-KINDS = {
-    "layered": {"thickness": "3 nm", "base_youngs_modulus": "50 GPa", "base_poissons_ratio": 0.2},
-    "transversely_isotropic": {"axial_modulus": 9e9, "axial_poissons_ratio": 0.1, "axial_shear_modulus": "3 GPa"},
-    "tabulated": {"path": "k.txt", "wavenumber_unit": "nm^-1", "stiffness_unit": "GPa/nm"},
-}
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_studies_make_every_solid(kind, tmp_path):
-    (tmp_path / "k.txt").write_text("0.01 0.1\n1 5\n")
+def test_a_table_of_stiffness_goes_into_the_study_and_each_point_of_a_sweep_has_its_solid(tmp_path):
     swept = {**layered(), "sweep": {"elasticity.thickness": ["10 nm", "20 nm"]}}
     assert [case.solid for case in make_study(swept).cases] == [Layer(2e9 / 0.91, 0.3, d) for d in (1e-8, 2e-8)]
-    study = make_study({**layered(), "elasticity": {"kind": kind, **KINDS[kind]}}, tmp_path)
-    solid, material = study.cases[0].solid, study.cases[0].material
-    q = np.array([1e8])
-    if kind == "layered":
-        expected = Layered(material.contact_modulus, material.poissons_ratio, 3e-9, 50e9 / 0.96, 0.2).stiffness(q)
-    elif kind == "transversely_isotropic":
-        known = stiffnesses(material.youngs_modulus, material.poissons_ratio, 9e9, 0.1)
-        expected = 0.5 * indentation_modulus(*known, 3e9) * q
-    else:
-        expected = Measured(1.0, [1e7, 1e9], [1e17, 5e18]).stiffness(q)
-        (tmp_path / "k.txt").unlink()
-        assert make_study(study.table, tmp_path).cases[0].solid.stiffness(q) == solid.stiffness(q)
-    assert solid.stiffness(q) == pytest.approx(expected, rel=1e-12)
+    axial = {"kind": "transversely_isotropic", "axial_modulus": 9e9, "axial_poissons_ratio": 0.1}
+    (case,) = make_study({**layered(), "elasticity": axial | {"axial_shear_modulus": "3 GPa"}}).cases
+    assert case.solid.contact_modulus == pytest.approx(indentation_modulus(*stiffnesses(2e9, 0.3, 9e9, 0.1), 3e9))
+    (tmp_path / "k.txt").write_text("0.01 0.1\n1 5\n")
+    keys = {"kind": "tabulated", "path": "k.txt", "wavenumber_unit": "nm^-1", "stiffness_unit": "GPa/nm"}
+    study = make_study({**layered(), "elasticity": keys}, tmp_path)
+    (tmp_path / "k.txt").unlink()
+    for each in (study, make_study(study.table, tmp_path)):
+        assert each.cases[0].solid.stiffness(1e8) == pytest.approx(
+            Measured(1.0, [1e7, 1e9], [1e17, 5e18]).stiffness(1e8)
+        )
 
 
 @pytest.mark.parametrize(
@@ -305,7 +269,12 @@ def test_studies_make_every_solid(kind, tmp_path):
             "the table of the stiffness must have positive wavenumbers in increasing order",
         ),
         (
-            {"kind": "transversely_isotropic", **KINDS["transversely_isotropic"], "axial_poissons_ratio": 1.9},
+            {
+                "kind": "transversely_isotropic",
+                "axial_modulus": 9e9,
+                "axial_poissons_ratio": 1.9,
+                "axial_shear_modulus": 3e9,
+            },
             "elasticity.axial_poissons_ratio = 1.9: no solid has it",
         ),
     ],

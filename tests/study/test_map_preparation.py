@@ -55,9 +55,9 @@ def test_resample_and_lowpass(tilted):
     q = np.hypot(np.fft.fftfreq(48, 1e-9)[:, None], np.fft.fftfreq(60, 1e-9)[None, :])
     assert power[q > 1 / 9e-9 * 1.001].max() < 1e-10 * power.max()
     assert power[(q < 1 / 9e-9) & (q > 1 / 10e-9)].max() > 1e-4 * power.max()
-    table = {"surface": {"kind": "file", "path": "map.npy", "lowpass": "9 nm", **keys}, "material": TABLE["material"]}
-    table |= {"interaction": {"law": "hard_wall"}, "loading": TABLE["loading"]}
-    assert make_study(table, tilted).scales[0].shortest_wave == pytest.approx(9e-9, abs=0, rel=1e-9)
+    surface_keys = {"kind": "file", "path": "map.npy", "lowpass": "9 nm", **keys}
+    (scales,) = make_study({**TABLE, "interaction": {"law": "hard_wall"}, "surface": surface_keys}, tilted).scales
+    assert scales.shortest_wave == pytest.approx(9e-9, abs=0, rel=1e-9)
     assert "surface.lowpass" in refused(tilted, "map.npy", lowpass="25 nm", **keys)
 
 
@@ -85,13 +85,6 @@ def test_a_plane_is_fitted_to_what_was_measured(tilted):
 def test_atoms_stand_on_the_cell_that_is_left(tmp_path):
     heights = 1e-10 * np.random.default_rng(1).standard_normal((20, 40))
     np.save(tmp_path / "map.npy", heights)
-    table = {
-        "surface": {"kind": "file", "path": "map.npy", "size": ["5.2 nm", "10.4 nm"], "crop": [[0, "2.6 nm"]] * 2},
-        "material": TABLE["material"],
-        "interaction": TABLE["interaction"],
-        "loading": TABLE["loading"],
-    }
-    assert make_study(table, tmp_path).cases[0].lattice.atoms == (10, 10)
-    del table["surface"]["crop"]
-    table["surface"]["edges"] = "mirror"
-    assert make_study(table, tmp_path).cases[0].lattice.atoms == (40, 80)
+    for keys, atoms in (({"crop": [[0, "2.6 nm"]] * 2}, (10, 10)), ({"edges": "mirror"}, (40, 80))):
+        keys |= {"kind": "file", "path": "map.npy", "size": ["5.2 nm", "10.4 nm"]}
+        assert make_study({**TABLE, "surface": keys}, tmp_path).cases[0].lattice.atoms == atoms

@@ -1,4 +1,4 @@
-"""Height maps as text: what parts the numbers, what the decimal sign is, what is no map."""
+"""Height maps as text, compressed and of instruments: numbers, channels, what is no map."""
 
 import gzip
 
@@ -40,13 +40,6 @@ def test_what_parts_the_numbers_and_their_decimal_sign(tmp_path, separator, deci
     np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
 
 
-@pytest.mark.parametrize("row", ["1,2,3,4,5", "1,-2,3,4", "10,25,132,400,50,166"])
-def test_whole_numbers_between_commas(tmp_path, row):
-    (tmp_path / "map.csv").write_text(f"{row}\n" * (4 if "-" in row else 12))
-    numbers = [float(cell) for cell in row.split(",")]
-    np.testing.assert_array_equal(read_height_map(tmp_path / "map.csv", size=SIZE).heights[0], numbers)
-
-
 def test_an_empty_cell_is_a_missing_height(tmp_path):
     rows = table(";", ",").splitlines()
     rows[1] = rows[1].rpartition(";")[0] + ";"
@@ -78,20 +71,13 @@ def test_three_columns_are_points(tmp_path, head, separator):
         assert found.unit == "nm, its file"
 
 
-def test_a_header_in_another_language_with_decimal_commas(tmp_path):
-    head = "# Kanal: Höhe\n# Breite: 8,00 µm\n# Höhe: 6,00 µm\n# Value units: nm\n"
-    (tmp_path / "map.txt").write_text(head + table("\t", ","), encoding="utf-8")
-    found = read_height_map(tmp_path / "map.txt")
-    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS[::-1], rtol=1e-12)  # the first row is the top
-    assert found.size == pytest.approx(SIZE, abs=0, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("", "surface.path: {path} holds no numbers"),
         ("# Width: 1 um\n# Height: 1 um\n", "{path} holds no numbers"),
         (",0,1,2,3\n" + "0,1.5,2,3,4\n" * 4, "{path} begins with an empty cell; leave out names"),
+        ("1,2,3,4,5\n" * 3, "an array of shape (3, 5)"),  # whole numbers between commas
         # Between numbers no line is left out: SurfaceTopography's reader would do so.
         ("1 2 3 4\nheights in nm\n" + "1 2 3 4\n" * 4, "the line 'heights in nm'"),
         ("1 2 3 4\n" * 5 + "1 2", "{path} cannot be read (the number of columns changed from 4 to 2 at row 6)"),
@@ -118,8 +104,58 @@ def test_compressed_files(tmp_path, name):
     found = read_height_map(tmp_path / name, height_unit="nm", size=SIZE)
     np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
     assert f"{tmp_path / name} holds one map" in refused(tmp_path / name, channel=3, size=SIZE)
+    (tmp_path / name).write_bytes(gzip.compress(content)[:-20])
+    assert f"{name} cannot be read" in refused(tmp_path / name, size=SIZE)
 
 
-def test_damaged_compressed_files(tmp_path):
-    (tmp_path / "map.txt.gz").write_bytes(gzip.compress(table(" ").encode())[:-20])
-    assert "map.txt.gz cannot be read" in refused(tmp_path / "map.txt.gz", size=SIZE)
+SIDE, HEADER = 8, 8192
+CHANNELS = {"ZSensor": "Sens. Z", "AmplitudeError": "Sens. A", "Phase": "Sens. P", "Height": "Sens. Z"}
+
+
+def nanoscope(path, *names):
+    """A file of a scanning probe microscope: a text header, then integers of 10 V / 2¹⁶, 100 nm/V or 3 °/V."""
+    pytest.importorskip("SurfaceTopography", reason="extra instruments")
+    lines = ["\\*File list", "\\Version: 0x05300000", "\\Data length: 8192"]
+    lines += ["\\*Scanner list", "\\@Sens. Z: V 100 nm/V", "\\@Sens. A: V 2 nm/V", "\\@Sens. P: V 3 deg/V"]
+    for number, name in enumerate(names):
+        lines += ["\\*Ciao image list", f"\\Data offset: {HEADER + number * 2 * SIDE**2}", "\\Bytes/pixel: 2"]
+        lines += [f"\\Data length: {2 * SIDE**2}", f"\\Samps/line: {SIDE}", f"\\Number of lines: {SIDE}"]
+        lines += [
+            "\\Scan Size: 2000 2000 nm",
+            f'\\@2:Image Data: S [{name}] "{name}"',
+            f"\\@2:Z scale: V [{CHANNELS[name]}] (0.0001525879 V/LSB) 10.0 V",
+        ]
+    text = "\r\n".join([*lines, "\\*File list end"]).encode("latin-1")
+    fields = np.random.default_rng(1).integers(-9000, 9000, (len(names), SIDE, SIDE)).astype("<i2")
+    path.write_bytes(text + b"\r\n\x1a" + b"\0" * (HEADER - len(text) - 3) + fields.tobytes())
+    return 10 / 2**16 * 100e-9 * fields[:, ::-1]  # rows begin at the top
+
+
+def test_the_only_height_is_taken(tmp_path):
+    name = "map.001"
+    fields = nanoscope(tmp_path / name, "Phase", "ZSensor", "AmplitudeError")
+    for channel in (None, 1, "ZSensor"):
+        found = read_height_map(tmp_path / name, channel=channel)
+        np.testing.assert_allclose(found.heights, fields[1], rtol=1e-6)
+        assert found.size == pytest.approx((2e-6, 2e-6), abs=0, rel=1e-9)
+    nanoscope(tmp_path / name, "Phase")
+    assert "holds no map of heights; it has 0: Phase (not a height)" in refused(tmp_path / name)
+
+
+def test_several_heights_leave_a_choice(tmp_path):
+    fields = nanoscope(tmp_path / "map.di", "ZSensor", "AmplitudeError", "Phase", "Height")
+    listed = "0: ZSensor (height), 1: AmplitudeError (not a height), 2: Phase (not a height), 3: Height (height)"
+    assert f"holds 2 maps of heights ({listed})" in refused(tmp_path / "map.di")
+    for channel in (3, "Height"):
+        found = read_height_map(tmp_path / "map.di", channel=channel)
+        np.testing.assert_allclose(found.heights, fields[3], rtol=1e-6)
+    none = f"there is no such channel; {tmp_path / 'map.di'} has {listed}"
+    for channel, words in (("Phase", "is no map of heights; "), (1, "is no map of heights; "), ("X", none), (4, none)):
+        assert f"{channel!r}: {words}" in refused(tmp_path / "map.di", channel=channel)
+
+
+def test_a_line_scan_of_an_instrument_is_named(tmp_path):
+    pytest.importorskip("SurfaceTopography", reason="extra instruments")
+    rows = "".join(f"{x:.4f},{np.sin(x):.4f}\n" for x in 0.1 * np.arange(20))
+    (tmp_path / "line.csv").write_text("X_(microns),y1\n" + rows)
+    assert "line.csv holds a line scan (20 points)" in refused(tmp_path / "line.csv")

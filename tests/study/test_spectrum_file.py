@@ -106,27 +106,8 @@ def test_what_is_no_spectrum_is_one_line(tmp_path, text, words):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize(
-    ("theory", "words"),
-    [
-        ({"spectrum": "file"}, r"missing key theory\.spectrum_path"),
-        ({"spectrum": "file", "spectrum_path": "none.csv"}, r"none\.csv cannot be read \(No such file"),
-        ({"spectrum": "file", "spectrum_path": "words.nc"}, r"words\.nc is no NetCDF file"),
-        ({"spectrum_path": "words.nc"}, 'is given, but theory.spectrum does not name "file"'),
-        (
-            {"spectrum": "file", "spectrum_path": "words.nc", "density": [1e-36]},
-            "give the file or its numbers, not both",
-        ),
-        ({"wavevector_unit": "nm^-1"}, r"theory\.wavevector_unit: belongs to"),
-    ],
-)
-def test_keys_that_do_not_go_together_are_named(tmp_path, theory, words):
-    (tmp_path / "words.nc").write_text("no dataset")
-    with pytest.raises(InputError, match=words):
-        study(tmp_path, **theory)
-
-
-ATOMIC = {"spectrum": ["table"], "wavevectors": [1e8, 1e9, 1e10], "density": [2e-37, 2e-37, 2.5e-45], "flows": "none"}
+WAVES = ["1e-2 angstrom^-1", "1 nm^-1", 1e10]
+ATOMIC = {"spectrum": ["table"], "wavevectors": WAVES, "density": ["2e-37 m^4", "0.2 nm^4", 2.5e-45], "flows": "none"}
 
 
 def without_surface(**sections):
@@ -136,7 +117,7 @@ def without_surface(**sections):
 def test_theories_of_a_spectrum_need_no_surface(tmp_path):
     dataset = run(without_surface(), model="theory")
     assert dataset["converged"].all()
-    table = TabulatedSpectrum(ATOMIC["wavevectors"], ATOMIC["density"])
+    table = TabulatedSpectrum([1e8, 1e9, 1e10], [2e-37, 2e-37, 2.5e-45])
     assert dataset["rms_height"] == pytest.approx(np.sqrt(table.mean_square_height), abs=0, rel=1e-12)
     assert dataset["rms_slope"] == pytest.approx(table.rms_slope, abs=0, rel=1e-12)
     with pytest.raises(InputError, match=r"missing key surface\.kind: .* needs a surface"):
@@ -150,14 +131,24 @@ def test_theories_of_a_spectrum_need_no_surface(tmp_path):
     assert scales.shortest_wave == pytest.approx(2 * np.pi / Q[-1])
 
 
+FILE = {"spectrum": "file", "spectrum_path": "words.nc"}
+
+
 @pytest.mark.parametrize(
-    ("sections", "words"),
+    ("table", "words"),
     [
-        ({"theory": {**ATOMIC, "spectrum": ["table", "surface"]}}, "missing key surface.kind"),
-        ({"theory": {}}, "missing key surface.kind"),
-        ({"loading": {"path": ["1 nN"]}}, "loading.path: forces act on a cell"),
+        ({**STUDY, "theory": {"spectrum": "file"}}, r"missing key theory\.spectrum_path"),
+        ({**STUDY, "theory": {**FILE, "spectrum_path": "none.csv"}}, r"none\.csv cannot be read \(No such file"),
+        ({**STUDY, "theory": FILE}, r"words\.nc is no NetCDF file"),
+        ({**STUDY, "theory": {"spectrum_path": "words.nc"}}, 'is given, but theory.spectrum does not name "file"'),
+        ({**STUDY, "theory": {**FILE, "density": [1e-36]}}, "give the file or its numbers, not both"),
+        ({**STUDY, "theory": {"wavevector_unit": "nm^-1"}}, r"theory\.wavevector_unit: belongs to"),
+        (without_surface(theory={**ATOMIC, "spectrum": ["table", "surface"]}), "missing key surface.kind"),
+        (without_surface(theory={}), "missing key surface.kind"),
+        (without_surface(loading={"path": ["1 nN"]}), "loading.path: forces act on a cell"),
     ],
 )
-def test_what_else_needs_a_surface_says_so(sections, words):
+def test_what_does_not_go_together_or_needs_a_surface_is_named(tmp_path, table, words):
+    (tmp_path / "words.nc").write_text("no dataset")
     with pytest.raises(InputError, match=words):
-        make_study(without_surface(**sections))
+        make_study(table, tmp_path)

@@ -37,12 +37,6 @@ def test_definitions_are_kept_in_ones_own_folder_and_damaged_ones_do_no_harm(fre
     assert units.quantity("2 inch", "m", "key") == pytest.approx(0.0508, abs=0, rel=1e-15)
 
 
-def test_a_folder_that_cannot_be_made_does_no_harm(fresh, monkeypatch):
-    (fresh / "file").touch()
-    monkeypatch.setattr(units, "own_cache_folder", lambda: fresh / "file" / "below")
-    assert units.quantity("3 MN/m^2", "Pa", "key") == 3e6
-
-
 def test_commands_start_without_dask():
     """Nor is it kept from those who use it."""
     code = "import sys, theory.study.model; assert 'dask' not in sys.modules; import dask.array; import pyfftw"
@@ -57,11 +51,6 @@ def test_everyday_units_are_those_of_pint_to_the_last_bit():
             for number in numbers:
                 expected = units._registry().Quantity(float(number), written).to(unit).magnitude
                 assert units.quantity(f"{float(number)!r} {written}", unit, "key") == expected, written
-
-
-@pytest.mark.parametrize(("text", "unit", "is_one"), [("1 nN", "N", True), ("1 GPa", "N", False), ("1 kgf", "N", True)])
-def test_kinds_of_units(text, unit, is_one):
-    assert units.is_a(text, unit) == is_one
 
 
 def test_an_integer_beyond_any_float_is_one_line():

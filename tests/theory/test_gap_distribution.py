@@ -40,20 +40,6 @@ def test_area_and_mean_gap_are_those_of_the_theory(found):
     assert moment(found, 1) > found.mean_gap
 
 
-def test_what_comes_off_beyond_a_magnification_is_a_contact_of_its_own():
-    """Its volume is that of the surfaces in contact there, under their own pressure and on the finer roughness."""
-    corner, found = 5, gap_distribution(SPECTRUM, E_STAR, 1e9)
-    variance = SPECTRUM.full_contact_stress_variance(lambda q: 0.5 * E_STAR * q, corner * Q)
-    contact = erf(1e9 / np.sqrt(2 * variance))
-    height = np.sqrt(2 * np.pi * SPECTRUM.moment(1, lower=corner * Q))
-    finer = SelfAffineSpectrum(0.8, float(height), corner * Q, corner * Q, 12 * Q)
-    expected = contact * float(closed_forms.mean_gap(1e9 / contact, finer, E_STAR))
-    left = 1 - np.concatenate([[0.0], np.cumsum(found.shares)])
-    volume = np.concatenate([[0.0], np.cumsum((found.shares * found.centres)[::-1])])[::-1]
-    # Linear between parts of a hundredth of the area: second order.
-    assert np.interp(-contact, -left, volume) == pytest.approx(expected, rel=3e-3)
-
-
 def test_under_light_load_the_gaps_are_the_heights_and_the_spread_of_their_centres():
     found = gap_distribution(SPECTRUM, E_STAR, 1e-6 * E_STAR, regularised=False)
     mean, square = moment(found, 1), moment(found, 2)

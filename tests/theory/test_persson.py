@@ -59,10 +59,9 @@ def test_load_is_carried_in_the_contact_and_at_its_edges(hurst, work_over_full, 
     assert contact.stress_balance == (contact.contact_stress + contact.edge_stress) / pressure
 
 
-@pytest.mark.parametrize(("hurst", "share"), [(0.2, 1e-5), (0.8, 1e-2)])
-def test_energy_of_light_contact_is_that_of_the_closed_form(hurst, share):
-    theory = rough(hurst, 0.0)
-    pressure = share * theory.stress_scale
+def test_energy_of_light_contact_is_that_of_the_closed_form():
+    theory = rough(0.2, 0.0)
+    pressure = 1e-5 * theory.stress_scale
     stress, energy = closed_forms.shared_points(*closed_forms.stress_and_energy(theory.spectrum, theory.solid, 20000))
     expected = energy @ energy_weight(erf(pressure / stress), "paper", 0.4)
     assert solve(theory, pressure).energy == pytest.approx(expected, rel=0.01)
@@ -95,16 +94,6 @@ def test_tension_keeps_the_adhered_branch(paper):
     # Under pressure both are one: ends of one iteration from two sides, 1e-7 of the stress scale.
     adhered, detached = (solve(theory, 1e8, start) for start in ("adhered", "detached"))
     assert detached.relative_contact_area == pytest.approx(adhered.relative_contact_area, rel=1e-5)
-
-
-def test_converges_near_the_sticking_threshold(paper):
-    # A relaxation common to all magnifications ends in a cycle here: γ_eff passes through zero at one of them.
-    contact = solve(paper.theory(3.1), 1e8)
-    assert contact.converged
-    assert contact.iterations < 150
-    early = solve(paper.theory(3.1), 1e8, max_iterations=3)
-    assert not early.converged
-    assert early.residual > 1e-7
 
 
 def test_accelerated_iteration_finds_the_state_of_the_damped_one(paper):
@@ -160,13 +149,16 @@ def test_a_state_that_is_no_number_ends_the_iteration(paper):
         solve(paper.theory(0.69, stress_cap=np.nan), 1e9, "detached")
 
 
-def test_area_factors_are_gaussian_means():
+def test_area_factors_are_gaussian_means(paper):
     slopes = np.array([0.0, 0.05, 0.26244, 1.0, 3.0])
     roots = [quad(lambda x, a=a: np.sqrt(1 + a**2 * x) * np.exp(-x), 0, 60)[0] for a in slopes]
     cosines = [quad(lambda x, a=a: np.exp(-x) / np.sqrt(1 + a**2 * x), 0, 60)[0] for a in slopes]
     assert true_area_factor(slopes) == pytest.approx(roots, rel=1e-7)
     assert mean_cosine(slopes) == pytest.approx(cosines, rel=1e-7)
     assert true_area_factor(np.array(0.26244)) == pytest.approx(1.03336, abs=5e-6)
+    slope = paper.spectrum.rms_slope
+    for kind, factor in (("none", 1.0), ("persson", true_area_factor(slope)), ("lattice", mean_cosine(slope))):
+        assert paper.theory(1.0, true_area=kind).area_factor[-1] == pytest.approx(float(factor), rel=1e-9)
 
 
 def test_full_contact_stores_the_full_energy(paper):

@@ -68,6 +68,9 @@ def test_estimate_is_no_less_than_the_error(case, found):
         every = tuple(dataclasses.replace(each, coarsening=coarsening) for each in case_theories(case, realise(case)))
         return list(run._quietly(values for values, _ in run._along(every, {}, 0)))
 
+    (whole,) = case_theories(case, realise(case))
+    coarser = dataclasses.replace(whole, coarsening=2).persson
+    assert (coarser.nodes, coarser.cells) == (whole.persson.nodes // 2, whole.persson.cells // 2)
     for fine, half, quarter in zip(found, along(2), along(4), strict=True):
         for theory in ("persson", "gap_flow", "edge_flow"):
             best, middle, coarse = (values[f"{theory}/{AREA}"] for values in (fine, half, quarter))

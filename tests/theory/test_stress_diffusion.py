@@ -5,8 +5,7 @@ import pytest
 from scipy.special import erf
 from scipy.stats import norm
 
-from theory.numerics.tridiagonal import solve
-from theory.persson.diffusion import _factorise, diffuse
+from theory.persson.diffusion import diffuse
 
 
 def nodes(count=160):
@@ -106,18 +105,3 @@ def test_boundary_out_of_reach_is_moved_closer():
         assert found.contact_stress + found.edge_stress == pytest.approx(0.1, abs=1e-8)
     area = surviving_by_volterra(0.1, lambda t: 0.2 + 50 * t, lambda t: np.full_like(t, 50.0), 8000)
     assert contacts[0].contact[-1] == pytest.approx(area, rel=2e-3)
-
-
-@pytest.mark.parametrize("cells", [2, 5, 501])
-def test_cells_are_eliminated_from_both_ends(cells):
-    """Any rates, any number of cells: the solution of the implicit step as a dense solver finds it."""
-    generator = np.random.default_rng(cells)
-    forward, backward = generator.random(cells + 1), generator.random(cells + 1)
-    forward[[0, cells]] = backward[cells] = 0.0  # no mass enters; what goes back through face 0 is lost
-    weight, mass = 0.7, generator.random(cells)
-    rates = np.diag(forward[1:cells], -1) + np.diag(backward[1:cells], 1) - np.diag(backward[:-1] + forward[1:])
-    expected = np.linalg.solve(np.eye(cells) - weight * rates, mass)
-    inverse, inward, outward = np.empty(cells), np.empty(cells), np.empty(cells)
-    _factorise(weight, forward, backward, inverse, inward, outward)
-    solve(inverse, inward, outward, mass)
-    np.testing.assert_allclose(mass, expected, rtol=1e-12)
