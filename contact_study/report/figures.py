@@ -119,7 +119,8 @@ def _areas(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
     """Contact area against mean pressure, linear and logarithmic; no second panel without compression."""
     across = curves.pressure_axis(inputs.models, reduced)
     made = curves.path_curves(inputs.models, inputs.control, across, curves.AREA)
-    compressed = any(((curve.x > 0) & (curve.y > 0)).sum() >= _ROW for curve in made)
+    pressed = (np.log10(curve.x[(curve.x > 0) & (curve.y > 0)]) for curve in made)
+    compressed = any(np.unique(logarithms.round(4)).size >= _ROW for logarithms in pressed)
     panels = [
         Panel(
             made,
