@@ -114,6 +114,27 @@ def test_states_are_in_equilibrium(the_law, solid, control):
         assert met == pytest.approx(load, abs=1e-8 * unit, rel=1e-9)
 
 
+@pytest.mark.parametrize("name", EVERY_LAW)
+def test_states_are_minima(name):
+    """No small displacement that a wall allows lowers the energy, rough or smooth."""
+    the_law, rng = EVERY_LAW[name], np.random.default_rng(0)
+    (found,) = stepped(rough_contact(HEIGHT, GRID.size, E_STAR, the_law), [2e9])
+
+    def energy(gap):
+        elastic = elastic_pressure(HALF_SPACE, GRID, HEIGHT + gap)
+        interaction = 0.0 if the_law == HardWall() else the_law.potential(gap).mean()
+        return 0.5 * np.mean((HEIGHT + gap) * elastic) + interaction + 2e9 * gap.mean()
+
+    lowest, scale = energy(found.gap), getattr(the_law, "length", 0) or HEIGHT.std()
+    squared = np.fft.fftfreq(64)[:, None] ** 2 + np.fft.fftfreq(64)[None, :] ** 2
+    for width in (0, 2, 8):
+        taper = np.exp(-0.5 * squared * (2 * np.pi * width) ** 2)
+        for size in (1e-3, 1e-2):
+            change = np.fft.ifft2(taper * np.fft.fft2(rng.standard_normal(GRID.shape))).real
+            moved = found.gap + size * scale * change / np.abs(change).max()
+            assert energy(np.maximum(moved, 0) if the_law.has_wall else moved) > lowest
+
+
 @every_kind
 def test_a_step_follows_from_state_and_target_alone(kind):
     height = SMALL.copy()
