@@ -157,7 +157,7 @@ def _messages() -> Iterable[str]:
         files = sorted(file for folder in folders for file in (ROOT / folder).rglob("*.py"))
         found = {text for file in files for text in _raised(ast.parse(file.read_text(encoding="utf-8")))}
         yield from ("", f"**{subject}**", "")
-        yield from (f"- `{text}`" for text in sorted(found, key=lambda text: text.strip("… =:.-").lower()))
+        yield from (f"- `{text}`" for text in sorted(found, key=lambda text: (text.strip("… =:.-").lower(), text)))
 
 
 def _raised(tree: ast.Module) -> Iterable[str]:
