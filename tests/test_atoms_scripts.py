@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.command_line.init import example
+from contact_study.command_line.verbs.init import example
 from research import driven_loops, stopped_motion, temperature
 
 

@@ -18,9 +18,10 @@ import bem_adhesion.study.model
 import md_reference.study.model
 import theory.study.model
 from contact_study import plots
-from contact_study.command_line import check, terminal
-from contact_study.command_line.plot import PICTURES
+from contact_study.command_line import terminal
 from contact_study.command_line.program import VERBS
+from contact_study.command_line.verbs import check
+from contact_study.command_line.verbs.plot import PICTURES
 from contact_study.results.schema import COORDINATES, VARIABLES
 from contact_study.start import bem_adhesion as program
 from contact_study.start import contact_compare as compare

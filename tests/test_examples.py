@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from contact_study.command_line.init import example
+from contact_study.command_line.verbs.init import example
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 

@@ -16,7 +16,7 @@ from bem_adhesion.solution import NewtonResult, Outcome, Solution, check_argumen
 from contact_study.numerics.arguments import step_arguments
 from contact_study.numerics.exclusive import in_turn
 from contact_study.numerics.grid import Grid
-from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.kernel import inner_product
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import Elasticity, elasticity_of
 

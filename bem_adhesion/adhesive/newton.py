@@ -18,7 +18,7 @@ from bem_adhesion.operators.free_space import Window
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.balance import ROUNDING, Excess, excess
 from contact_study.numerics.grid import Grid
-from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.kernel import inner_product
 from contact_study.numerics.memory import Memory
 from contact_study.physics.laws import TractionLaw
 

@@ -8,7 +8,7 @@ import numpy as np
 from bem_adhesion.kernels.law import HELD, PINNED, blocks, kernels_of, law_gradient
 from bem_adhesion.operators.fourier import Load
 from bem_adhesion.operators.free_space import Window
-from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.kernel import inner_product
 from contact_study.physics.laws import TractionLaw
 
 

@@ -12,8 +12,7 @@ import numpy as np
 from bem_adhesion.operators.fourier import MakeOperator, PeriodicOperator
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
-from contact_study.numerics.inner_product import inner_product
-from contact_study.numerics.kernel import kernel
+from contact_study.numerics.kernel import inner_product, kernel
 from contact_study.numerics.memory import Memory
 from contact_study.numerics.multigrid import HALVINGS, SHORT_WAVES, HalvedInverse, Inverse, can_be_halved
 

@@ -9,8 +9,7 @@ import numpy as np
 from bem_adhesion.operators.trace import Phase, Reporter, Trace, TracedTransform
 from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
-from contact_study.numerics.inner_product import inner_product
-from contact_study.numerics.kernel import kernel
+from contact_study.numerics.kernel import inner_product, kernel
 from contact_study.numerics.memory import Memory, Scratch
 from contact_study.physics.solids import Elasticity
 

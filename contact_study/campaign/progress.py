@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from contact_study.campaign.effort import duration
+from contact_study.campaign.memory import duration
 
 _HALF_MINUTE = 30.0
 _SILENCE = 5.0  # seconds between lines while the program reads and writes

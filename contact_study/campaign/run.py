@@ -15,8 +15,7 @@ from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assemble_cases, last_states
 from contact_study.campaign.dataset.predictor import check_predictor
 from contact_study.campaign.dataset.work_directory import WorkDirectory
-from contact_study.campaign.effort import seconds_of
-from contact_study.campaign.memory import require_at_once
+from contact_study.campaign.memory import require_at_once, seconds_of
 from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Run, prepare_run

@@ -65,7 +65,7 @@ def main(name: str, arguments: Sequence[str] | None = None, model: "Model | None
 
     def body() -> int:
         verb, *others = _in_verbs(name, typed)
-        module = importlib.import_module(f"contact_study.command_line.{verb}")
+        module = importlib.import_module(f"contact_study.command_line.verbs.{verb}")
         if own_process:
             _hide_dask(others)
         parser = _parser(module, verb, f"{PROGRAM} {verb}" if name == PROGRAM else name)
@@ -174,7 +174,7 @@ def _complete(name: str) -> None:
 
 def _with_keys(parser: argparse.ArgumentParser, verb: str) -> None:
     """Add what a verb takes, and the keys of a study as options."""
-    module = importlib.import_module(f"contact_study.command_line.{verb}")
+    module = importlib.import_module(f"contact_study.command_line.verbs.{verb}")
     module.add(parser)
     if hasattr(module, "KEYS"):
         from contact_study.study.schema.dotted_keys import all_keys

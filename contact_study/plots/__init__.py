@@ -4,13 +4,11 @@ Each function draws on the axes it is given, or on those of a new figure, which 
 pyplot's state or any setting.
 """
 
-from contact_study.plots.atom_rows import atoms
 from contact_study.plots.criteria import criteria_map
-from contact_study.plots.curves import contact_area, mean_gap
-from contact_study.plots.cuts import section
+from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
+from contact_study.plots.cuts import atoms, section
 from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
 from contact_study.plots.deviation_map import deviations
-from contact_study.plots.hysteresis import hysteresis_loop
 from contact_study.plots.magnification import (
     area_by_magnification,
     detachment_stress,

@@ -16,8 +16,7 @@ import numpy as np
 
 from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
-from contact_study.numerics.inner_product import inner_product
-from contact_study.numerics.kernel import kernel
+from contact_study.numerics.kernel import inner_product, kernel
 from contact_study.numerics.multigrid import HALVINGS, HalvedInverse, Inverse, can_be_halved
 from md_reference.block.condensed import SurfaceStiffness
 from md_reference.block.spectral import invert, multiply

@@ -11,7 +11,7 @@ import numpy as np
 
 from contact_study.numerics import life
 from contact_study.numerics.balance import Excess
-from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.kernel import inner_product
 from md_reference.block.condensed import SurfaceStiffness
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.solution import Equilibrium, Outcome

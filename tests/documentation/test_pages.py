@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import contact_study
-from contact_study.command_line.init import example_names
+from contact_study.command_line.verbs.init import example_names
 from contact_study.study.schema.dotted_keys import all_keys
 from tests.documentation.pages import PAGES, ROOT
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.kernel import inner_product
 from contact_study.numerics.memory import ALIGNMENT, Memory, Scratch, aligned
 
 

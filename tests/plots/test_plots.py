@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import contact_study
 from contact_study import plots
-from contact_study.plots.hysteresis import dissipated_energy
+from contact_study.plots.curves import dissipated_energy
 from contact_study.plots.style import COLOURS, length_unit, pressure_unit
 
 SIDE, SPACING = 16, 1e-9

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from contact_study.inputs.errors import InputError
-from contact_study.plots.hysteresis import dissipated_energy
+from contact_study.plots.curves import dissipated_energy
 from contact_study.report import tables
 from contact_study.report.align.cases import Series, series
 from contact_study.report.align.deviations import compute_deviations, pairs_of

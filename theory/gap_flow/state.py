@@ -10,7 +10,7 @@ from scipy.interpolate import PchipInterpolator, PPoly
 
 from contact_study.inputs.units import stress
 from contact_study.numerics.arguments import finite
-from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.kernel import inner_product
 from contact_study.physics.laws.base import TractionLaw
 from theory.datasets import dataset_of
 from theory.gap_flow.gap_grid import GapNodes

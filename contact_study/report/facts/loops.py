@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.hysteresis import dissipated_energy
+from contact_study.plots.curves import dissipated_energy
 from contact_study.plots.selection import UNLOADING
 from contact_study.report.align.cases import constant, first_constant, select, sweep_points
 from contact_study.report.models import entry_of

@@ -67,8 +67,7 @@ def run(given: argparse.Namespace) -> int:
 
 def _judged(name: str, study: "Study") -> tuple[tuple[str, ...], list[str]]:
     """Return a model's row of the table and its warnings; raises InputError if it cannot run the study."""
-    from contact_study.campaign.effort import duration, seconds_of
-    from contact_study.campaign.memory import in_words, require_at_once
+    from contact_study.campaign.memory import duration, in_words, require_at_once, seconds_of
     from contact_study.campaign.model import MODELS as MODELS_BY_KIND
     from contact_study.campaign.model import check_study
 

@@ -1,0 +1,1 @@
+"""One file a verb of the program: its options and what it does."""
