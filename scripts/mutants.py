@@ -42,7 +42,7 @@ TESTS = {
     "theory/study/case_theories.py": "test_run.py",
     "theory/study/paths.py": "test_run.py",
     "theory/study/model.py": "test_run.py",
-    "theory/non_adhesive/closed_forms.py": "test_closed_forms.py test_persson.py test_separation.py",
+    "theory/non_adhesive/closed_forms.py": "test_persson.py test_separation.py",
     "theory/gap_flow/flow.py": "test_gap_flow.py test_run.py",
     "theory/gap_flow/state.py": "test_gap_flow.py test_run.py",
     "theory/gap_flow/kernels.py": "test_gap_flow.py",
