@@ -58,11 +58,22 @@ def test_a_first_gap_from_separation_is_on_the_separated_branch():
     np.testing.assert_allclose(alone.gap, approached[snap_in - 1].gap, atol=1e-4 * R0)
 
 
-def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
+def test_flat_surfaces_do_not_rest_on_top_of_the_barrier(monkeypatch):
     # Held 3 Å above equilibrium, where the law softens, the uniform state is an equilibrium but no minimum.
     grid = Grid((32, 32), (520e-10, 520e-10))
     contact = AdhesiveContact(np.zeros(grid.shape), grid, E_STAR, law(8.0), "gap")
+    finest, lower = contact.levels.finest, []
+    leave = finest.leave_saddle
+
+    def leave_saddle(gap, load):
+        beside = leave(gap, load)
+        lower.append(finest.evaluate(beside, load).energy < finest.evaluate(gap, load).energy)
+        return beside
+
+    monkeypatch.setattr(finest, "leave_saddle", leave_saddle)
     solution = stepped(contact, [3e-10])[0]
+    assert lower
+    assert all(lower)
     assert solution.outcome is Outcome.CONVERGED
     uniform = float(contact.law.potential(np.array(R0 + 3e-10)))
     assert solution.elastic_energy + solution.interaction_energy < 2 * uniform < 0
