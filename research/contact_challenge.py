@@ -24,13 +24,13 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import rough_contact
-from bem_adhesion.process_zone import POINTS_FOR_ONE_STATE, process_zone
 from bem_adhesion.solution import Solution
 from contact_study.campaign.memory import Need, require
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import quantity
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import Exponential, HardWall
+from contact_study.physics.process_zone import POINTS_FOR_ONE_STATE, process_zone
 from contact_study.physics.surfaces.surface import Surface
 from scripts.harness import ROOT, Option, head, peak_memory, program, rough_surface, row, walk
 from theory.non_adhesive.closed_forms import relative_contact_area

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import contact_study
-from bem_adhesion import process_zone
+from contact_study.physics import process_zone
 from contact_study.study.case import realise
 from contact_study.study.study import make_study, read_study
 from research import (

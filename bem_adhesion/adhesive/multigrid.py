@@ -13,11 +13,11 @@ from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.adhesive.options import MultigridOptions
 from bem_adhesion.operators.fourier import Load, MakeOperator
 from bem_adhesion.operators.free_space import Window
-from bem_adhesion.process_zone import process_zone
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Memory
 from contact_study.physics.laws import TractionLaw
+from contact_study.physics.process_zone import process_zone
 
 
 def _close_gaps(touching: np.ndarray, fine: np.ndarray) -> None:

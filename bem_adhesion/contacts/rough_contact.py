@@ -12,12 +12,12 @@ from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
 from bem_adhesion.operators.trace import Trace
-from bem_adhesion.process_zone import process_zone, resolved_length, resolves, resolving_shape, too_coarse
 from bem_adhesion.solution import Solution, require_solution
 from contact_study.inputs.units import length
 from contact_study.numerics.arguments import field, grid_of, positive, step_arguments
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import TractionLaw
+from contact_study.physics.process_zone import process_zone, resolved_length, resolves, resolving_shape, too_coarse
 from contact_study.physics.solids import Elasticity, HalfSpace, Viscoelastic, elasticity_of
 
 

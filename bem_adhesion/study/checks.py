@@ -4,7 +4,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bem_adhesion.process_zone import (
+from contact_study.campaign.memory import in_words, most_points, on_grid
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import length
+from contact_study.physics.process_zone import (
     POINTS_PER_PROCESS_ZONE,
     process_zone,
     resolved_length,
@@ -12,9 +15,6 @@ from bem_adhesion.process_zone import (
     resolving_shape,
     too_coarse,
 )
-from contact_study.campaign.memory import in_words, most_points, on_grid
-from contact_study.inputs.errors import InputError
-from contact_study.inputs.units import length
 from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.physics.tabor import SHARE_OF_HEIGHT, longest_range, sphere_pull_off, tabor_parameter
 from contact_study.study.case import Case

@@ -4,13 +4,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from bem_adhesion.process_zone import process_zone
 from bem_adhesion.study.checks import review
 from bem_adhesion.study.overdamped import overdamped_motion
 from bem_adhesion.study.quasi_static import path_of_equilibria
 from bem_adhesion.study.viscoelastic import path_in_time
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
+from contact_study.physics.process_zone import process_zone
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results import overdamped_path

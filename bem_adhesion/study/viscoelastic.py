@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
-from bem_adhesion.process_zone import TOO_COARSE
 from bem_adhesion.solution import Solution
 from bem_adhesion.study.quasi_static import ledger_of, passed_states
 from bem_adhesion.study.state import interface_state, solver_options
+from contact_study.physics.process_zone import TOO_COARSE
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState

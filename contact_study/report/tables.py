@@ -187,13 +187,9 @@ def _state(part: xr.Dataset, step: int, fit: bool) -> str:
     here = part.isel(step=step)
     if "detached" in here and bool((here["detached"] == 1).all()):
         return "detached"
-    return (
-        "converged"
-        if fit
-        else "not converged"
-        if "converged" in here and bool((here["converged"] == 0).any())
-        else NOTHING
-    )
+    if fit:
+        return "converged"
+    return "not converged" if "converged" in here and bool((here["converged"] == 0).any()) else NOTHING
 
 
 def _deviation_cells(

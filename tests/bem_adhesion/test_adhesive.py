@@ -10,10 +10,10 @@ from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.contacts.rough_contact import contact_between
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
 from bem_adhesion.operators.fourier import Load, PeriodicOperator, periodic
-from bem_adhesion.process_zone import process_zone
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import Exponential, HardWall
+from contact_study.physics.process_zone import process_zone
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, self_affine, stepped, surface
 

@@ -126,16 +126,20 @@ def _expected(cases: "tuple[Case, ...]") -> Iterator[tuple[str, str, str]]:
 def _zone_points(case: "Case") -> float | None:
     if case.surface.absent or not case.law.attracts:
         return None
-    modulus = case.solid.softest_modulus(*case.scales.grid_waves)
-    return modulus * case.law.work_of_adhesion / case.law.peak_tensile_stress**2 / case.scales.pixel
+    from contact_study.physics.process_zone import process_zone
+
+    return process_zone(case.solid.softest_modulus(*case.scales.grid_waves), case.law) / case.scales.pixel
 
 
 def _zone_meaning(points: float) -> str:
-    if points >= 4:
+    from contact_study.physics.process_zone import POINTS_FOR_ONE_STATE, POINTS_PER_PROCESS_ZONE
+
+    if points >= POINTS_PER_PROCESS_ZONE:
         return "the grid resolves contact edges"
-    if points >= 1:
-        return "edges are trapped on unloading, pull-off comes out too strong; use 4 or more"
-    return "too coarse: the area may be wrong by a factor of two, pull-off is the grid's; use 4 or more"
+    more = f"use {POINTS_PER_PROCESS_ZONE} or more"
+    if points >= POINTS_FOR_ONE_STATE:
+        return f"edges are trapped on unloading, pull-off comes out too strong; {more}"
+    return f"too coarse: the area may be wrong by a factor of two, pull-off is the grid's; {more}"
 
 
 def _theta(case: "Case") -> float | None:

@@ -10,6 +10,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import Elasticity
+from contact_study.physics.tabor import tabor_parameter
 from contact_study.report.align.cases import SweepPoint, constant, first_constant, select, sweep_points
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
@@ -124,9 +125,9 @@ def _regime(
         return numbers
     energy = modulus * surface.conformal_energy
     radius = 2 / surface.rms_laplacian
-    tabor = np.cbrt(radius * work**2 / (modulus**2 * reach**3)) if reach > 0 else np.nan
+    tabor = tabor_parameter(radius, modulus, work, reach) if reach > 0 else np.nan
     return numbers | {
-        "tabor_parameter": float(tabor),
+        "tabor_parameter": tabor,
         "adhesion_over_elastic_energy": work * surface.area_factor / energy,
         "full_contact_stress_over_peak": modulus * surface.conformal_stress / peak if peak > 0 else np.nan,
         "full_contact_energy": energy,
