@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from contact_study.plots.selection import UNLOADING
-from contact_study.report import tables
+from contact_study.report import problem_tables, tables
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.align.deviations import split_pair
 from contact_study.report.align.scales import scales
@@ -90,9 +90,9 @@ def render_report(
         titles=FIGURE_TITLES,
         sections=_SECTIONS,
         numbers=tables.all_numbers(inputs, deviations),
-        regime=tables.regime_table(inputs.models, regime),
-        constants=tables.constants_table(inputs.models),
-        effort=tables.effort_table(inputs.models),
+        regime=problem_tables.regime_table(inputs.models, regime),
+        constants=problem_tables.constants_table(inputs.models),
+        effort=problem_tables.effort_table(inputs.models),
         settings=settings(shown),
         starts=starts(shown),
         related=_related(inputs),

@@ -1,17 +1,15 @@
-"""The report's tables: all numbers, agreement, changes along the sweep, loops, regime, material, effort."""
+"""The report's tables: all numbers, agreement, changes along the sweep, loops."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.style import Unit, length_unit, pressure_unit
+from contact_study.plots.style import Unit
 from contact_study.report.align.cases import (
     SweepPoint,
     case_points,
-    constant,
-    first_constant,
     select,
     series,
     sweep_points,
@@ -20,7 +18,6 @@ from contact_study.report.align.deviations import split_pair
 from contact_study.report.align.scales import Scales, mean_gap_unit, mean_pressure_unit, scales
 from contact_study.report.facts.differences import Difference
 from contact_study.report.facts.loops import Loop
-from contact_study.report.facts.overview import effort
 from contact_study.report.facts.ranking import AREA, GAP, Ranking
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
@@ -80,7 +77,8 @@ class Table:
     rows: list[list[Cell]] = field(default_factory=list)
 
 
-def _plain(header: Sequence[str | Both], rows: Sequence[Sequence[str | Both]]) -> Table:
+def plain_table(header: Sequence[str | Both], rows: Sequence[Sequence[str | Both]]) -> Table:
+    """Make a table of words, which are neither sorted nor exported as numbers."""
     return Table([Column(words) for words in header], [[Cell(text) for text in row] for row in rows])
 
 
@@ -286,7 +284,7 @@ def difference_table(inputs: Inputs, found: Sequence[Difference]) -> Table:
                 Both(*words) if np.isfinite(one.gap[0]) else NOTHING,
             ]
         )
-    return _plain(["from", "to", "model", "states", "samples", "A/A₀", gaps], rows)
+    return plain_table(["from", "to", "model", "states", "samples", "A/A₀", gaps], rows)
 
 
 def loop_table(inputs: Inputs, found: Sequence[Loop]) -> Table:
@@ -309,7 +307,7 @@ def loop_table(inputs: Inputs, found: Sequence[Loop]) -> Table:
         "work of separation (J/m²)",
     ]
     used = [n for n, _ in enumerate(header) if n < 3 or any(row[n] != NOTHING for row in rows)]
-    return _plain([header[n] for n in used], [[row[n] for n in used] for row in rows])
+    return plain_table([header[n] for n in used], [[row[n] for n in used] for row in rows])
 
 
 def pull_off_words(one: Loop, modulus: float) -> str | Both:
@@ -328,85 +326,3 @@ def _both_pressures(value: float, modulus: float, below: float = np.nan) -> str 
     if not between:
         return Both(physical, reduced)
     return Both(span(pressure(below, 4), physical), span(f"{number(below / modulus, 3)} E*", reduced))
-
-
-_REGIME = (
-    ("tabor_parameter", "Tabor parameter μ", 2),
-    ("process_zone", "process zone", 1),
-    ("pixel_over_process_zone", "grid spacing / process zone", 2),
-    ("adhesion_over_elastic_energy", "θ = Δγ S / U_full", 2),
-    ("full_contact_stress_over_peak", "full-contact stress / σ_max", 2),
-    ("rms_slope", "rms gradient", 3),
-)
-
-
-def regime_table(models: Mapping[str, xr.Dataset], regime: xr.Dataset) -> Table:
-    """Regime numbers, a row for each point of the sweep, without columns that have no number."""
-    columns = [column for column in _REGIME if (regime[column[0]].fillna(0) != 0).any()]
-    zone = length_unit(float(regime["process_zone"].fillna(0).max()))
-    rows = []
-    for point in sweep_points(models):
-        part = select(regime, point)
-        if part is not None:
-            sizes = {"process_zone": zone.size}
-            rows.append(
-                [
-                    point.label,
-                    *(_fixed(float(part[name]) / sizes.get(name, 1.0), digits) for name, _, digits in columns),
-                ]
-            )
-    header = [f"{words} ({zone.name})" if name == "process_zone" else words for name, words, _ in columns]
-    return _plain(["", *header], rows)
-
-
-def constants_table(models: Mapping[str, xr.Dataset]) -> Table:
-    """Inputs of continuum and theories beside what the atomistic model measured on itself."""
-    stress = pressure_unit(max(first_constant(models, point, "contact_modulus") for point in sweep_points(models)))
-    distance, height = (_length_unit(models, name) for name in ("equilibrium_distance", "rms_height"))
-    columns = {
-        "contact_modulus": (f"E* ({stress.name})", stress.size),
-        "work_of_adhesion": ("Δγ (J/m²)", 1.0),
-        "equilibrium_distance": (f"d_eq ({distance.name})", distance.size),
-        "peak_tensile_stress": (f"σ_max ({stress.name})", stress.size),
-        "rms_height": (f"h_rms ({height.name})", height.size),
-        "rms_slope": ("rms gradient", 1.0),
-    }
-    used = {name: column for name, column in columns.items() if any(name in dataset for dataset in models.values())}
-    rows = []
-    for point in sweep_points(models):
-        for model, dataset in models.items():
-            part = select(dataset, point)
-            if part is None or not any(name in part for name in used):
-                continue
-            values = [constant(part, name) / size for name, (_, size) in used.items()]
-            cells = [number(value, 5) if np.isfinite(value) else NOTHING for value in values]
-            rows.append([point.label, entry_of(model).label, *cells])
-    return _plain(["", "model", *(words for words, _ in used.values())], rows)
-
-
-def _length_unit(models: Mapping[str, xr.Dataset], name: str) -> Unit:
-    return length_unit(max((float(dataset[name].max()) for dataset in models.values() if name in dataset), default=0.0))
-
-
-def effort_table(models: Mapping[str, xr.Dataset]) -> Table:
-    """Work done by each model and how its steps ended."""
-    counts = {
-        "fft_pairs": "FFT pairs",
-        "force_evaluations": "force evaluations",
-        "iterations": "iterations",
-        "wall_time": "time of all steps (s)",
-    }
-    used = {name: words for name, words in counts.items() if any(name in dataset for dataset in models.values())}
-    total: Callable[[xr.DataArray], str] = lambda values: f"{float(values.where(values >= 0).sum()):.0f}"  # noqa: E731
-    rows = []
-    for model, dataset in models.items():
-        work = [total(dataset[name]) if name in dataset else NOTHING for name in used]
-        detached = dataset["detached"] == 1 if "detached" in dataset else False
-        residual = float(dataset["residual"].where(~detached).max()) if "residual" in dataset else np.nan
-        endings = map(str, effort(dataset))
-        rows.append([entry_of(model).label, *endings, f"{residual:.1e}".replace("-", "−"), *work])
-    return _plain(["model", "steps", "not converged", "detached", "largest residual", *used.values()], rows)
-
-
-def _fixed(value: float, decimals: int) -> str:
-    return fixed(value, decimals) if np.isfinite(value) else NOTHING

@@ -6,7 +6,7 @@ import xarray as xr
 
 from contact_study.inputs.errors import InputError
 from contact_study.plots.curves import dissipated_energy
-from contact_study.report import tables
+from contact_study.report import problem_tables, tables
 from contact_study.report.align.cases import Series, series
 from contact_study.report.align.deviations import compute_deviations, pairs_of
 from contact_study.report.align.regime import compute_regime
@@ -99,7 +99,7 @@ def test_prescribed_gaps_and_states_in_their_units(tmp_path):
     assert states.count("not converged") == 1
     assert states.count("detached") == 1
     # Seven steps of seven iterations and half a second each.
-    (row,) = tables.effort_table(ended.models).rows
+    (row,) = problem_tables.effort_table(ended.models).rows
     assert [cell.text for cell in row] == ["continuum", "7", "1", "1", "1.0e−09", "49", "4"]
     assert overview.steps(ended.models) == overview.Steps(7, 1, 1, 1)
 
@@ -132,7 +132,7 @@ def test_agreement_is_over_shared_states(tmp_path):
 
 
 def test_material_and_regime_by_hand(inputs):
-    table = tables.constants_table(inputs.models)
+    table = problem_tables.constants_table(inputs.models)
     heads = ["", "model", "E* (GPa)", "Δγ (J/m²)", "d_eq (Å)", "σ_max (GPa)", "h_rms (Å)", "rms gradient"]
     assert [column.head for column in table.columns] == heads
     case = inputs.cases[1]
@@ -144,7 +144,7 @@ def test_material_and_regime_by_hand(inputs):
     # The gap-flow theory stands in the file of Persson's, whose constants are its own.
     assert [row[1] for row in texts] == 2 * ["atoms", "continuum", "Persson's theory"]
     regime = compute_regime(inputs)
-    table = tables.regime_table(inputs.models, regime)
+    table = problem_tables.regime_table(inputs.models, regime)
     assert table.columns[2].head == "process zone (nm)"
     check = overview.grid_check(inputs, regime)
     for row, ratio in zip(table.rows, (1, 8), strict=True):
