@@ -70,7 +70,7 @@ class Solution:
     iterations : int
         Outer iterations on the finest grid.
     fft_pairs : float
-        Transform pairs, as float64 pairs on the finest grid (see :meth:`Operator.equivalent_pairs`).
+        Transform pairs, as float64 pairs on the finest grid.
     outcome : Outcome
         End of the solve.
     complementarity_residual : float or None

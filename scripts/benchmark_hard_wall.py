@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from bem_adhesion.hard_wall.contact import HardWallContact
-from bem_adhesion.operators.trace import Phase, Progress
+from bem_adhesion.operators import Phase, Progress
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from scripts.harness import Option, head, program, rough_surface, row

@@ -9,9 +9,7 @@ from bem_adhesion.adhesive.multigrid import MultigridSolver
 from bem_adhesion.kernels.law import blocks
 from bem_adhesion.kernels.local_energy import LocalEnergy
 from bem_adhesion.linear.conjugate_gradients import typical_wavenumber
-from bem_adhesion.operators.fourier import Load, periodic
-from bem_adhesion.operators.free_space import Window
-from bem_adhesion.operators.trace import Trace
+from bem_adhesion.operators import Load, Trace, Window, Work, periodic
 from bem_adhesion.solution import NewtonResult, Outcome, Solution, check_arguments, require_solution
 from contact_study.numerics.arguments import step_arguments
 from contact_study.numerics.exclusive import in_turn
@@ -92,7 +90,8 @@ class AdhesiveContact:
             self._spring = float(solid.stiffness_on(self._grid).max())
         elif control == "approach":
             self._spring = solid.mean_stiffness_on(self._grid)
-        make_operator = periodic(solid, self._spring, threads, trace)
+        self._work = Work(grid.points, trace)
+        make_operator = periodic(solid, self._spring, threads, self._work)
         self.levels = MultigridSolver(self._grid, make_operator, self._law, shift, window, subdomains=solid.on_any_grid)
         self._heights = Load.of_heights(self.levels.finest.solid, height, 1 / self._length)
 
@@ -112,7 +111,7 @@ class AdhesiveContact:
         elif self.law.diverges and not closest > 0:
             raise ValueError("the state to start from has gaps <= 0")
         out_of_reach = self._out_of_reach(gap)
-        before = self.levels.equivalent_pairs(self._grid)
+        before = self._work.pairs
         if self.control == "gap":
             mean_gap = target / self._length + self._law.equilibrium_distance
             if out_of_reach:  # nothing deforms the solid on its way
@@ -125,7 +124,7 @@ class AdhesiveContact:
             return self._apart(Outcome.APART)
         else:
             result = self._solve(gap, target / self.elasticity.contact_modulus, out_of_reach)
-        pairs = self.levels.equivalent_pairs(self._grid) - before
+        pairs = self._work.pairs - before
         if result.outcome is Outcome.DETACHED:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)
         del gap  # the solver has overwritten it
@@ -219,7 +218,7 @@ class AdhesiveContact:
         if not gap.any():  # in full contact the tension at which a first point is pulled off
             return float(pressing.min()) + self._law.peak_tensile_stress
         # The wall's share is not in the law; free points are in balance without it.
-        return finest.imbalance(gap, load)
+        return finest.local.imbalance(pressing, gap, load.pressure)
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap

@@ -7,15 +7,15 @@ only the *change* of the gap is elastic, and springs anchor the rim. The next Ne
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bem_adhesion.adhesive.newton import NewtonSolver
-from bem_adhesion.operators.fourier import Load, MakeOperator
+from bem_adhesion.adhesive.newton import CLOSE, NewtonSolver
+from bem_adhesion.operators import Load, MakeOperator
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Memory
 from contact_study.physics.laws import TractionLaw
 
 # Tiles along an axis of the grid and of a subdomain; one tile at each rim is held.
 TILES, TILES_OF_SUBDOMAIN = 32, 8
-FEWEST_POINTS = 64  # along an axis of a subdomain, below which little work can be saved
+FEWEST_POINTS = 256  # along an axis of a grid, of a subdomain 64, below which little work can be saved
 SHARE = 0.2  # fraction of the largest residual above which a point is out of balance
 MOST = 4  # subdomains
 STEPS = 3  # Newton steps in one subdomain before the whole takes one; more may end in another state
@@ -35,17 +35,12 @@ class LocalNewton:
         down, across = _ramp(rows), _ramp(columns)
         self._springs = self.solver.solid.largest * np.maximum(down[:, None], across[None, :]) ** 2
 
-    @staticmethod
-    def fits(grid: Grid) -> bool:
-        """Return whether a grid has enough points."""
-        return min(grid.shape) * TILES_OF_SUBDOMAIN >= FEWEST_POINTS * TILES
-
     def correct(
         self, gap: np.ndarray, pressing: np.ndarray, load: Load, right_side: np.ndarray, out: np.ndarray
     ) -> bool:
         """Write a gap that is relaxed where it is far from balance into ``out``; return whether there is one."""
-        solver, close = self.solver, self.solver.options.close
-        corners = find_subdomains(_largest_of_tiles(right_side, self._tile), close)
+        solver = self.solver
+        corners = find_subdomains(_largest_of_tiles(right_side, self._tile))
         if corners is None:
             return False
         out[...] = gap
@@ -57,7 +52,7 @@ class LocalNewton:
             # Where subdomains overlap, the next starts from the result of the last.
             start = out[here]
             solver.set_anchor_springs(self._springs, start, stalls=False)
-            out[here] = solver.solve(start, local_load, close, STEPS).gap
+            out[here] = solver.solve(start, local_load, CLOSE, STEPS).gap
         return True
 
 
@@ -77,11 +72,11 @@ def _largest_of_tiles(field: np.ndarray, tile: tuple[int, int]) -> np.ndarray:
     return np.maximum(over(np.maximum), -over(np.minimum))
 
 
-def find_subdomains(largest: np.ndarray, close: float) -> list[tuple[int, int]] | None:
-    """Find the first tiles of subdomains that cover all with a residual above ``close``; None without, or too many."""
+def find_subdomains(largest: np.ndarray) -> list[tuple[int, int]] | None:
+    """Find the first tiles of subdomains that cover all with a residual above CLOSE; None without, or too many."""
     inside = np.arange(1, TILES_OF_SUBDOMAIN - 1)
     from_middle = np.abs(inside - inside.mean())
-    active = largest > max(SHARE * largest.max(), close)
+    active = largest > max(SHARE * largest.max(), CLOSE)
     corners: list[tuple[int, int]] = []
     magnitude = np.where(active, largest, 0.0)
     while magnitude.any():

@@ -8,16 +8,27 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem_adhesion.adhesive.local_newton import LocalNewton
+from bem_adhesion.adhesive.local_newton import FEWEST_POINTS, LocalNewton
 from bem_adhesion.adhesive.newton import NewtonSolver
-from bem_adhesion.adhesive.options import MultigridOptions
-from bem_adhesion.operators.fourier import Load, MakeOperator
-from bem_adhesion.operators.free_space import Window
+from bem_adhesion.operators import Load, MakeOperator, Window
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Memory
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.process_zone import process_zone
+
+# Points per process zone of the coarsest grid that predicts, and fewest along an axis of a coarser grid.
+POINTS_FOR_PREDICTION, FEWEST_POINTS_OF_HALF = 1.25, 8
+COARSE_TOLERANCE, WALL_TOLERANCE = 3e-4, 1e-2  # at contact edges with a wall interpolation leaves a residual of 0.3
+CLOSEST_PREDICTION = 0.85  # smallest predicted gap over the equilibrium distance, unless it was smaller
+# Distance of a prediction from the load over the law's peak stress: on a coarse grid of one point per process zone, and
+# its lower limit. It falls with the fourth power of the points.
+LAG, LEAST_LAG = 0.05, 1e-4
+# Largest relative change of a gap along the tangent, beyond which a fold is near; tangent steps, and points per process
+# zone of the coarse grid from which more than one is taken.
+TANGENT_LIMIT, TANGENT_STEPS, POINTS_FOR_STEPS = 0.1, 3, 32
+# Points per process zone of the coarsest grid that searches for negative curvature, and factor on its softening.
+POINTS_FOR_CURVATURE, CURVATURE_MARGIN = 4, 1.05
 
 
 def _close_gaps(touching: np.ndarray, fine: np.ndarray) -> None:
@@ -42,26 +53,20 @@ class MultigridSolver:
         memory: Memory | None = None,
         subdomains: bool = True,
     ):
-        self.options = MultigridOptions.of(law)
         self.finest = NewtonSolver(grid, make_operator, law, shift, window, memory)
         idle = self.finest.idle
         # A subdomain is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.
         subdomains = subdomains and window is None and self.finest.solid.mean_stiffness == 0
-        if subdomains and LocalNewton.fits(grid):
+        if subdomains and min(grid.shape) >= FEWEST_POINTS:
             self.finest.corrector = LocalNewton(grid, make_operator, law, shift, Memory(idle))
         self.points_per_process_zone = process_zone(1.0, law) / max(grid.spacing)
         self.coarser: MultigridSolver | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
-        resolved = self.points_per_process_zone >= 2 * self.options.points_for_prediction
-        if even and min(half.shape) >= self.options.fewest_points and resolved:
+        resolved = self.points_per_process_zone >= 2 * POINTS_FOR_PREDICTION
+        if even and min(half.shape) >= FEWEST_POINTS_OF_HALF and resolved:
             coarse_window = None if window is None else window.halved
             self.coarser = MultigridSolver(half, make_operator, law, shift, coarse_window, Memory(idle), subdomains)
-
-    def equivalent_pairs(self, grid: Grid) -> float:
-        """Return the transform pairs so far on all grids, as float64 pairs on ``grid``."""
-        coarser = self.coarser.equivalent_pairs(grid) if self.coarser else 0.0
-        return self.finest.equivalent_pairs(grid) + coarser
 
     def solve(
         self, gap: np.ndarray, load: Load, tolerance: float, max_iterations: int, first_contact: bool = False
@@ -82,7 +87,14 @@ class MultigridSolver:
 
     def leave_saddle(self, gap: np.ndarray, load: Load) -> np.ndarray | None:
         """Return a gap of lower energy next to an equilibrium that :attr:`finest` evaluated last; None at a minimum."""
-        return self.finest.leave_saddle(gap, load) if self._has_negative_curvature() else None
+        curvature, level = self.finest.curvature, self
+        while level.coarser and level.coarser.points_per_process_zone >= POINTS_FOR_CURVATURE:
+            curvature, level = np.ascontiguousarray(curvature[::2, ::2]), level.coarser
+        # Cheaply first.
+        if level is not self and not level.finest.find_negative_curvature(curvature, CURVATURE_MARGIN):
+            return None
+        unstable = self.finest.find_negative_curvature(self.finest.curvature)
+        return self.finest.leave_saddle(gap, load) if unstable else None
 
     def _descend(
         self,
@@ -109,28 +121,28 @@ class MultigridSolver:
         self, coarser: "MultigridSolver", gap: np.ndarray, load: Load, max_iterations: int, first_contact: bool
     ) -> np.ndarray:
         """Predict the solution from a gap that was pressed last; return the gap where the prediction fails."""
-        law, options = self.finest.law, self.options
-        change_of_load = self.finest.imbalance(gap, load)
+        finest, law = self.finest, self.finest.law
+        change_of_load = finest.local.imbalance(finest.solid.field, gap, load.pressure)
         # Surfaces that come together jump in at any load.
-        lag = max(options.lag / coarser.points_per_process_zone**4, options.least_lag) * law.peak_tensile_stress
+        lag = max(LAG / coarser.points_per_process_zone**4, LEAST_LAG) * law.peak_tensile_stress
         lag = 0.0 if first_contact else lag
         if abs(change_of_load) <= lag:
             return gap
         behind = float(np.copysign(lag, change_of_load))
         start = np.ascontiguousarray(gap[::2, ::2])
-        coarse_load = coarser.finest.load_for(self.finest.solid.field[::2, ::2], start, load.pressure)
-        tolerance = options.coarse_tolerance
+        coarse_load = coarser.finest.load_for(finest.solid.field[::2, ::2], start, load.pressure)
+        tolerance = WALL_TOLERANCE if law.has_wall else COARSE_TOLERANCE
         lagging = replace(coarse_load, pressure=coarse_load.pressure - behind)
         result = coarser._descend(start, lagging, tolerance, max_iterations, first_contact, start)
         if result.outcome is not Outcome.CONVERGED:
             return gap
         reached = result.gap
         if lag:
-            steps = options.tangent_steps if coarser.points_per_process_zone >= options.points_for_steps else 1
-            reached = coarser.finest.follow_tangent(reached, coarse_load, options.tangent_limit, steps, reached)
-        change = self.finest.interpolate(coarser.finest, reached - gap[::2, ::2])
-        predicted, inside = gap + change, self.finest.window.inside
-        closest = options.closest_prediction * law.equilibrium_distance
+            steps = TANGENT_STEPS if coarser.points_per_process_zone >= POINTS_FOR_STEPS else 1
+            reached = coarser.finest.follow_tangent(reached, coarse_load, TANGENT_LIMIT, steps, reached)
+        coarser.finest.single.field[...] = reached - gap[::2, ::2]
+        predicted, inside = gap + finest.single.interpolate(coarser.finest.single), finest.window.inside
+        closest = CLOSEST_PREDICTION * law.equilibrium_distance
         # No gap falls below the smaller of itself and the closest.
         np.maximum(inside(predicted), np.minimum(inside(gap), closest), out=inside(predicted))
         if law.has_wall:
@@ -138,13 +150,3 @@ class MultigridSolver:
             coarser.finest.window.inside(touching)[...] = coarser.finest.window.inside(reached) == 0
             _close_gaps(touching, predicted)
         return predicted
-
-    def _has_negative_curvature(self) -> bool:
-        """Return whether the state that :attr:`finest` has just solved for is no minimum, cheaply first."""
-        curvature, level = self.finest.curvature, self
-        while level.coarser and level.coarser.points_per_process_zone >= self.options.points_for_curvature:
-            curvature, level = np.ascontiguousarray(curvature[::2, ::2]), level.coarser
-        margin = self.options.curvature_margin
-        if level is not self and not level.finest.find_negative_curvature(curvature, margin):
-            return False
-        return self.finest.find_negative_curvature(self.finest.curvature)

@@ -10,27 +10,49 @@ from typing import Any
 
 import numpy as np
 
-from bem_adhesion.adhesive.options import NewtonOptions
 from bem_adhesion.kernels.local_energy import EnergyAndGradient, LocalEnergy
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact, preconditioner_for
-from bem_adhesion.operators.fourier import Load, MakeOperator
-from bem_adhesion.operators.free_space import Window
+from bem_adhesion.operators import Load, MakeOperator, Window
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.balance import ROUNDING, Excess, excess
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product
 from contact_study.numerics.memory import Memory
+from contact_study.numerics.multigrid import SHORT_WAVES
 from contact_study.physics.laws import TractionLaw
 
 # Upper bound of the rounding of K times a change in float32, as a fraction of the largest change times the largest K;
 # K d is formed again where the rounding since the last time may exceed this share of the residual.
 CHANGE_ROUNDING, SHARE_OF_RESIDUAL = 3e-7, 0.1
+# Residuals below are in units of the contact modulus, lengths in units of the law's length; see research/notes.
+# Reduction of the residual in a linear solve and ω of its preconditioner, without a wall, and outside one, where the
+# held points change after every step; reduction with damped negative curvature, and in a tangent step; iterations.
+REDUCTION, WALL_REDUCTION, WALL_SHORT_WAVES = 0.1, 0.2, 2.5
+DAMPED_REDUCTION, TANGENT_REDUCTION, LINEAR_ITERATIONS = 0.3, 0.1, 60
+# Below the residual CLOSE a linear solve reduces further, but not beyond this share of the tolerance.
+CLOSE, CLOSE_REDUCTION, BEYOND_TOLERANCE = 1e-3, 0.03, 0.5
+STEP_LIMIT = 0.4  # largest relative change of an attracted gap in one step
+# Damping of negative curvature: first value, factor after a failure, factor after a success.
+DAMPING_START, DAMPING_GROWTH, DAMPING_DECAY = 0.1, 3.0, 0.6
+# Residual above which negative curvature is removed at first contact, where surfaces jump in everywhere at once: the
+# descent then ends in the state of a slow gradient flow.
+FIRST_CONTACT_RESIDUAL = 0.2
+# Residual below which a state with negative curvature is left along it, the length of that step, and the number of such
+# steps in a row after which the curvature is damped instead.
+SADDLE_RESIDUAL, SADDLE_STEP, SADDLE_STEPS = 0.2, 0.1, 50
+CURVATURE_ITERATIONS = 8  # of conjugate gradients that search for negative curvature at an equilibrium
+SUBDOMAIN_RESIDUAL = 5e-3  # above which subdomains are relaxed separately
+BACKTRACKING, SHORTEST_STEP = 0.4, 1e-4  # line search: factor, and share of a step at which it fails
+LONGEST_FALL = 100  # step of separated surfaces over the largest gap, beyond which only rounding holds them
+ENERGY_ROUNDING = 1e-9  # relative difference of equal energies; the residual then decides
+SHARE_OF_TOLERANCE = 0.01  # rounding of the residual above which it is evaluated again at the end
 
 
 class NewtonSolver:
     """The contact on one grid; ``shift`` as for :class:`LinearisedContact`, whose ``idle`` memory others may use.
 
-    At the last gap the field of ``solid`` is K d with the load's field, and ``curvature`` is φ''.
+    At the last gap the field of ``solid`` is K d with the load's field, and ``curvature`` is φ''; solves overwrite the
+    field of ``single``, the solid in float32.
     """
 
     def __init__(
@@ -47,9 +69,8 @@ class NewtonSolver:
         self.grid = grid
         self.law = law
         self.window = window or Window(grid.shape)
-        self.options = NewtonOptions.of(law)
         self.solid = make(grid, np.float64)
-        self._single = make(grid, np.float32)
+        self.single = make(grid, np.float32)
         self.local = LocalEnergy(law, self.solid.largest, window)
         self._rounded = 0.0
         self.curvature = memory.array(grid.shape, np.float32)
@@ -57,15 +78,10 @@ class NewtonSolver:
         self.corrector: Any = None  # a LocalNewton, which is made of solvers as this one
         self._stalls = False
         self._saddle_steps = 0  # in a row
-        inverse, self._coarser = preconditioner_for(self._single, make, shift, self.options.short_waves)
-        self._linearised = LinearisedContact(self._single, shift, inverse, memory)
+        self._reduction, short_waves = (WALL_REDUCTION, WALL_SHORT_WAVES) if law.has_wall else (REDUCTION, SHORT_WAVES)
+        inverse = preconditioner_for(self.single, make, shift, short_waves)
+        self._linearised = LinearisedContact(self.single, shift, inverse, memory)
         self.idle = self._linearised.idle
-
-    def equivalent_pairs(self, grid: Grid) -> float:
-        """Return the transform pairs so far, as float64 pairs on ``grid``."""
-        single = self._single.equivalent_pairs(grid) + sum(each.equivalent_pairs(grid) for each in self._coarser)
-        local = self.corrector.solver.equivalent_pairs(grid) if self.corrector else 0.0
-        return self.solid.equivalent_pairs(grid) + single + local
 
     def set_anchor_springs(self, stiffness: float | np.ndarray, anchor: np.ndarray, stalls: bool = True) -> None:
         """Hold every point to a gap by springs, or none; where negative curvature remains a solve may stall."""
@@ -84,15 +100,6 @@ class NewtonSolver:
         load = Load(pressing - self.solid.apply(self.solid.stiffness), pressure=pressure)
         self.solid.field[...] = pressing
         return load
-
-    def interpolate(self, coarser: "NewtonSolver", values: np.ndarray) -> np.ndarray:
-        """Interpolate a field on a coarser grid to single precision, into a buffer that a solve overwrites."""
-        coarser._single.field[...] = values
-        return self._single.interpolate(coarser._single)
-
-    def imbalance(self, gap: np.ndarray, load: Load) -> float:
-        """Return the mean of K d + φ'(d) + load over the free points, for a gap that was evaluated last."""
-        return self.local.imbalance(self.solid.field, gap, load.pressure)
 
     def excess_of(self, state: EnergyAndGradient, gap: np.ndarray, load: Load, tolerance: float) -> Excess:
         """Compare the residual at a gap that was evaluated last with what is allowed, see :func:`excess`."""
@@ -115,10 +122,10 @@ class NewtonSolver:
 
     def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: Load) -> EnergyAndGradient:
         """Evaluate as :meth:`evaluate` at a new gap, by the change from the one that was evaluated last."""
-        change = self._single.field
+        change = self.single.field
         np.subtract(new, gap, out=change, casting="same_kind")
         largest = max(float(change.max()), -float(change.min()))
-        self.solid.field += self._single.apply(self._single.stiffness)
+        self.solid.field += self.single.apply(self.single.stiffness)
         self._rounded += CHANGE_ROUNDING * largest * self.solid.largest
         return self._pressed(new, load)
 
@@ -163,6 +170,7 @@ class NewtonSolver:
         trial = known if overwrite and known is not None and known is not gap else np.empty_like(gap)
         gap = gap if overwrite else gap.copy()
         damping, iteration, stepped = 0.0, 0, True
+        least = np.inf if self.corrector is None or self.local.springs else SUBDOMAIN_RESIDUAL
         self._saddle_steps = 0
 
         def excess_of(state: EnergyAndGradient) -> Excess:
@@ -171,7 +179,7 @@ class NewtonSolver:
         outcome = None
         while outcome is None:
             excess = excess_of(state)
-            if excess.balanced and self._rounded * excess.residual > self.options.share_of_tolerance * state.largest:
+            if excess.balanced and self._rounded * excess.residual > SHARE_OF_TOLERANCE * state.largest:
                 state = self.evaluate(gap, load)
                 excess = excess_of(state)
             self.solid.mark("iteration", state.largest)
@@ -181,23 +189,30 @@ class NewtonSolver:
                 outcome = Outcome.DETACHED
             elif iteration == max_iterations:
                 outcome = Outcome.ITERATION_LIMIT
-            elif stepped and self._correct(gap, load, state, trial):
+            elif (
+                stepped
+                and state.largest > least
+                and self.corrector.correct(gap, self.solid.field, load, self._right_side, trial)
+            ):
                 stepped = False
                 corrected = self._evaluate_change(gap, trial, load)
                 if corrected.energy < state.energy:
                     gap, trial, state, damping = trial, gap, corrected, 0.0
                 else:
-                    self.solid.field -= self._single.field  # as before the change
+                    self.solid.field -= self.single.field  # as before the change
                     state = self._pressed(gap, load)
             else:
                 stepped = True
                 iteration += 1
-                removed = first_contact and state.largest > self.options.first_contact_residual
-                taken = self._newton_step(gap, state, 1.0 if removed else damping, excess)
+                removed = first_contact and state.largest > FIRST_CONTACT_RESIDUAL
+                # While points jump in, the mean pressure may wait.
+                light = excess.load > excess.residual and state.largest < CLOSE
+                taken = self._newton_step(state, 1.0 if removed else damping, excess, light)
                 if taken is None:
                     outcome = Outcome.STALLED
                     break
                 used, raised = taken
+                self._shorten_fall(gap, abs(state.total), light)
                 new_state, fraction = self._line_search(gap, load, state, trial)
                 if new_state is not None:
                     damping = damping if removed else self._next_damping(used, raised, fraction)
@@ -211,34 +226,21 @@ class NewtonSolver:
         reaction = self.local.reaction(self.solid.field, gap, load.pressure)
         return NewtonResult(gap, reaction, state.largest, iteration, outcome)
 
-    def _correct(self, gap: np.ndarray, load: Load, state: EnergyAndGradient, out: np.ndarray) -> bool:
-        """Let the corrector write a gap closer to balance into ``out``; return whether it did."""
-        if self.corrector is None or state.largest <= self.options.subdomain_residual or self.local.springs is not None:
-            return False
-        return self.corrector.correct(gap, self.solid.field, load, self._right_side, out)
-
     def _newton_step(
-        self, gap: np.ndarray, state: EnergyAndGradient, damping: float, excess: Excess
-    ) -> tuple[float, bool] | None:
-        """Compute a step; return its damping and whether it was raised for it, None where springs stall it."""
-        # While points jump in, the mean pressure may wait.
-        light = excess.load > excess.residual and state.largest < self.options.close
-        taken = self._curved_step(state, damping, excess, light)
-        step = self._linearised.solution
-        if light or max(step.max(), -step.min()) > self.options.longest_fall * self.window.inside(gap).max():
-            self._shorten_fall(gap, abs(state.total))
-        return taken
-
-    def _curved_step(
         self, state: EnergyAndGradient, damping: float, excess: Excess, light: bool
     ) -> tuple[float, bool] | None:
-        """Compute a step as :meth:`_newton_step`; under a light load reduce its mean as well as the residual."""
-        options, raised = self.options, False
+        """Compute a step; return its damping and whether it was raised for it, None where springs stall it.
+
+        Under a light load its mean is reduced as well as the residual.
+        """
+        raised = False
         while True:
-            reduction = self._reduction_at(state.largest, max(excess)) if damping == 0 else options.damped_reduction
+            reduction = DAMPED_REDUCTION if damping else self._reduction
+            if damping == 0 and state.largest <= CLOSE:
+                reduction = min(max(BEYOND_TOLERANCE / max(excess), CLOSE_REDUCTION), DAMPED_REDUCTION)
             total = reduction * abs(state.total) if light else np.inf
             result = self._linearised.solve(
-                self._right_side, self.curvature, 1 - damping, reduction, options.linear_iterations, total
+                self._right_side, self.curvature, 1 - damping, reduction, LINEAR_ITERATIONS, total
             )
             self.local.hold(self.curvature, self._linearised.solution)
             self.local.hold(self.curvature, self._linearised.direction)
@@ -253,10 +255,10 @@ class NewtonSolver:
                 if result.iterations == 1:
                     self._linearised.solution[...] = self._along_direction(self.law.length)
                 return damping, raised
-            near_saddle = state.largest < options.saddle_residual and self._saddle_steps < options.saddle_steps
+            near_saddle = state.largest < SADDLE_RESIDUAL and self._saddle_steps < SADDLE_STEPS
             if damping == 0 and not raised and near_saddle:
                 self._saddle_steps += 1
-                self._linearised.solution += self._along_direction(options.saddle_step * self.law.length)
+                self._linearised.solution += self._along_direction(SADDLE_STEP * self.law.length)
                 return damping, raised
             damping = self._more_damping(damping)
             raised = True
@@ -267,29 +269,25 @@ class NewtonSolver:
             return self._more_damping(damping)
         if raised:
             return damping
-        return damping * self.options.damping_decay if damping > 0.9 * self.options.damping_start else 0.0
+        return damping * DAMPING_DECAY if damping > 0.9 * DAMPING_START else 0.0
 
     def _more_damping(self, damping: float) -> float:
-        return min(1.0, max(self.options.damping_growth * damping, self.options.damping_start))
+        return min(1.0, max(DAMPING_GROWTH * damping, DAMPING_START))
 
-    def _shorten_fall(self, gap: np.ndarray, missing: float) -> None:
-        """Shorten the step of separated surfaces until a point touches or carries the whole missing pressure."""
-        step, gap = self.window.inside(self._linearised.solution), self.window.inside(gap)
+    def _shorten_fall(self, gap: np.ndarray, missing: float, light: bool) -> None:
+        """Shorten a long step of separated surfaces until a point touches or carries the whole missing pressure."""
+        step, gap = self._linearised.solution, self.window.inside(gap)
+        if not light and max(step.max(), -step.min()) <= LONGEST_FALL * gap.max():
+            return
+        step = self.window.inside(step)
         closest, lowest = float(gap.min()), float(self.law.repulsive_gap(np.array(-missing)))
         if closest < self.law.equilibrium_distance or closest <= lowest:
             return
         least = float(np.finfo(np.float32).tiny)
         room = float(np.min((gap - lowest) / np.maximum(-step, least)))
-        limit = self.options.step_limit * (closest + self.local.margin) / max(float(np.abs(step).max()), least)
+        limit = STEP_LIMIT * (closest + self.local.margin) / max(float(np.abs(step).max()), least)
         # A wall stops a point that would pass it by a rounding.
         self._linearised.solution *= np.float32(min(1.0, limit, (1 + 1e-6) * room))
-
-    def _reduction_at(self, largest: float, excess: float) -> float:
-        """Choose the reduction of a linear solve with the full curvature."""
-        options = self.options
-        if largest > options.close:
-            return options.reduction
-        return min(max(options.beyond_tolerance / excess, options.close_reduction), options.damped_reduction)
 
     def _along_direction(self, length: float) -> np.ndarray:
         """Return a step of that largest component along the last search direction, downhill."""
@@ -301,16 +299,16 @@ class NewtonSolver:
         self, gap: np.ndarray, load: Load, state: EnergyAndGradient, trial: np.ndarray
     ) -> tuple[EnergyAndGradient | None, float]:
         """Shorten the step until the energy falls, writing the new gap into ``trial``; None if it never falls."""
-        options, step, fraction = self.options, self._linearised.solution, 1.0
-        while fraction > options.shortest_step:
-            self.local.advance(gap, step, options.step_limit, trial)
+        step, fraction = self._linearised.solution, 1.0
+        while fraction > SHORTEST_STEP:
+            self.local.advance(gap, step, STEP_LIMIT, trial)
             new = self._evaluate_change(gap, trial, load)
-            equal = new.energy <= state.energy + options.energy_rounding * abs(state.energy)
+            equal = new.energy <= state.energy + ENERGY_ROUNDING * abs(state.energy)
             if new.energy <= state.energy or (equal and new.square < state.square):
                 return self._unless_rounded(new, trial, load), fraction
-            self.solid.field -= self._single.field  # as before the change
-            step *= np.float32(options.backtracking)
-            fraction *= options.backtracking
+            self.solid.field -= self.single.field  # as before the change
+            step *= np.float32(BACKTRACKING)
+            fraction *= BACKTRACKING
         return None, fraction
 
     def find_negative_curvature(self, curvature: np.ndarray, softening: float = 1.0) -> bool:
@@ -323,23 +321,22 @@ class NewtonSolver:
             return False
         # At unit size: squares of a very small tail underflow in single precision.
         self._right_side /= largest
-        iterations = self.options.curvature_iterations
-        return self._linearised.solve(self._right_side, curvature, softening, 0.0, iterations).negative_curvature
+        found = self._linearised.solve(self._right_side, curvature, softening, 0.0, CURVATURE_ITERATIONS)
+        return found.negative_curvature
 
     def leave_saddle(self, gap: np.ndarray, load: Load) -> np.ndarray | None:
         """Return a gap of lower energy along the last search direction; None if rounding hides it."""
-        options, energy = self.options, self.evaluate(gap, load).energy
-        direction = self._linearised.direction
+        energy, direction = self.evaluate(gap, load).energy, self._linearised.direction
         self.local.hold(self.curvature, direction)
         direction /= np.abs(direction).max()
         beside = np.empty_like(gap)
-        length = options.saddle_step * self.law.length
-        while length > options.shortest_step * self.law.length:
+        length = SADDLE_STEP * self.law.length
+        while length > SHORTEST_STEP * self.law.length:
             for step in (length, -length):
-                self.local.advance(gap, np.float32(step) * direction, options.step_limit, beside)
+                self.local.advance(gap, np.float32(step) * direction, STEP_LIMIT, beside)
                 if self.evaluate(beside, load).energy < energy:
                     return beside
-            length *= options.backtracking
+            length *= BACKTRACKING
         return None
 
     def mean_stiffness(self, gap: np.ndarray) -> float:
@@ -351,19 +348,16 @@ class NewtonSolver:
         self, gap: np.ndarray, load: Load, limit: float, steps: int = 1, known: np.ndarray | None = None
     ) -> np.ndarray:
         """Return the gap after Newton steps, as far as no gap changes by more than the fraction ``limit`` in total."""
-        start, options = gap, self.options
+        start, inside = gap, self.window.inside
         for _ in range(steps):
             self._evaluate_from(known, gap, load)
-            result = self._linearised.solve(
-                self._right_side, self.curvature, 1.0, options.tangent_reduction, options.linear_iterations
-            )
+            result = self._linearised.solve(self._right_side, self.curvature, 1.0, TANGENT_REDUCTION, LINEAR_ITERATIONS)
             step = self._linearised.solution
             self.local.hold(self.curvature, step)
-            inside = self.window.inside
             change = np.abs(inside(gap - start + step) / (inside(start) + self.local.margin))
             if result.negative_curvature or change.max() > limit:
                 break
             moved = np.empty_like(gap)
-            self.local.advance(gap, step, options.step_limit, moved)
+            self.local.advance(gap, step, STEP_LIMIT, moved)
             known, gap = gap, moved
         return gap

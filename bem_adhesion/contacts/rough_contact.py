@@ -10,8 +10,7 @@ import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.hard_wall.contact import HardWallContact
-from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
-from bem_adhesion.operators.trace import Trace
+from bem_adhesion.operators import FreeHalfSpace, Trace, Window, padded_grid
 from bem_adhesion.solution import Solution, require_solution
 from contact_study.inputs.units import length
 from contact_study.numerics.arguments import field, grid_of, positive, step_arguments
@@ -140,7 +139,7 @@ def rough_contact(
     hardness : float, optional
         Largest pressure of a hard wall without adhesion; points that reach it are indented permanently (Pa).
     trace : callable, optional
-        Called with a :class:`~bem_adhesion.operators.trace.Progress` at each change of phase while a step is solved.
+        Called with a :class:`~bem_adhesion.operators.Progress` at each change of phase while a step is solved.
 
     Returns
     -------

@@ -15,7 +15,7 @@ import numpy as np
 
 from bem_adhesion.hard_wall import kernels
 from bem_adhesion.hard_wall.preconditioner import Extension
-from bem_adhesion.operators.fourier import MakeOperator
+from bem_adhesion.operators import MakeOperator
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 
@@ -45,17 +45,11 @@ class ContactLevel:
         self._extension = Extension(self.contact)
         self._residual = np.empty(grid.shape, np.float32)
         self._direction = np.empty(grid.shape, np.float32)
-        self._pairs_below = 0.0
         self._bound = bound
         self._offset: float | None = None  # of surface and heights, once points are at the bound
         present = np.isfinite(heights)
         self._absent = None if present.all() else ~present  # a periodic surface needs no memory for it
         self._largest_height = max(float(heights.max()), -float(heights.min(where=present, initial=0.0)))
-
-    def equivalent_pairs(self, grid: Grid) -> float:
-        """Return the transform pairs so far on this level and below, as float64 pairs on ``grid``."""
-        here = self._double.equivalent_pairs(grid) + self.single.equivalent_pairs(grid)
-        return here + self._pairs_below * self.grid.points / grid.points
 
     def start(self, mean_pressure: float, max_iterations: int) -> bool:
         """Compute a first pressure on coarser levels; return whether it is full contact, hence the solution."""
@@ -69,7 +63,6 @@ class ContactLevel:
         if not full_contact:
             coarser.solve(mean_pressure, COARSE_TOLERANCE, max_iterations)
             self.start_from(coarser.refine(), mean_pressure)
-        self._pairs_below += coarser.equivalent_pairs(self.grid)
         return full_contact and self.start_from_full_contact(mean_pressure)
 
     def start_from_full_contact(self, mean_pressure: float) -> bool:

@@ -10,8 +10,7 @@ import numpy as np
 from bem_adhesion.hard_wall.active_set import ContactLevel
 from bem_adhesion.kernels.law import PINNED
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact, typical_wavenumber
-from bem_adhesion.operators.fourier import periodic
-from bem_adhesion.operators.trace import Trace
+from bem_adhesion.operators import Trace, Work, periodic
 from bem_adhesion.solution import Outcome, Solution, check_arguments, require_solution
 from contact_study.numerics.arguments import positive, step_arguments
 from contact_study.numerics.exclusive import in_turn
@@ -69,8 +68,8 @@ class HardWallContact:
         self._unit = unit or rms_height
         self._rounding = float(np.finfo(float).eps * max(present.max(), -present.min()))
         self._flat = self._bounded and rms_height <= self._rounding
-        self._threads, self._trace = threads, trace
-        self._unit_of_level = self._pairs_of_levels = 0.0
+        self._threads, self._work = threads, Work(grid.points, trace)
+        self._unit_of_level = 0.0
         if not self._flat:
             self._scale_to(self._unit or max(grid.size))
 
@@ -78,13 +77,12 @@ class HardWallContact:
         """Make a level in this unit of heights (m)."""
         if unit == self._unit_of_level:
             return
-        self._pairs_of_levels = self._pairs()
         period, modulus = max(self.grid.size), self.elasticity.contact_modulus
         self._unit_of_level, self._pressure_unit = unit, modulus * unit / period
         grid = Grid(self.grid.shape, (self.grid.size[0] / period, self.grid.size[1] / period))
         heights = self._height - self._mean_height
         heights /= unit
-        make_operator = periodic(self.elasticity.scaled(period, modulus), threads=self._threads, trace=self._trace)
+        make_operator = periodic(self.elasticity.scaled(period, modulus), threads=self._threads, work=self._work)
         self._level = ContactLevel(heights, grid, make_operator, self.hardness / self._pressure_unit)
 
     def _unit_at(self, displacement: float) -> float:
@@ -115,8 +113,8 @@ class HardWallContact:
         state, target = step_arguments(self.control, target, state, self.grid.shape)
         self._check_target(target)
         solve = {"pressure": self._at_pressure, "gap": self._at_gap, "approach": self._at_approach}[self.control]
-        before = self._pairs()
-        return replace(solve(state, target), fft_pairs=self._pairs() - before)
+        before = self._work.pairs
+        return replace(solve(state, target), fft_pairs=self._work.pairs - before)
 
     def _check_target(self, target: float) -> None:
         if self.control == "approach":
@@ -254,12 +252,6 @@ class HardWallContact:
         pressure, gap = np.where(there, self.hardness, 0.0), np.where(there, 0.0, np.inf)
         indentation = np.where(there, np.maximum(self._height - surface, 0.0), 0.0)
         return self._solution(pressure, gap, found.residual, found.iterations, Outcome.YIELDED, surface, indentation)
-
-    def _pairs(self) -> float:
-        """Return the transform pairs so far, as float64 pairs on the grid."""
-        if not self._unit_of_level:
-            return 0.0
-        return self._pairs_of_levels + self._level.equivalent_pairs(self._level.grid)
 
     def _apart(self, plane: float) -> Solution:
         """Return the solution without contact, the solid's surface at a height (m)."""

@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bem_adhesion.kernels.law import HELD, PINNED, blocks, kernels_of, law_gradient
-from bem_adhesion.operators.fourier import Load
-from bem_adhesion.operators.free_space import Window
+from bem_adhesion.operators import Load, Window
 from contact_study.numerics.kernel import inner_product
 from contact_study.physics.laws import TractionLaw
 

@@ -5,11 +5,12 @@ attract (the tail). z = (1 − b²) / (D⁺ + ½ K_max) r + b (K + c)⁻¹ b r i
 pair of transforms, b² = c / (D⁺ + c). All arrays are in float32.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from bem_adhesion.operators.fourier import MakeOperator, PeriodicOperator
+from bem_adhesion.operators import MakeOperator, PeriodicOperator
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product, kernel
@@ -26,11 +27,8 @@ STIFFNESS_REDUCTION, STIFFNESS_ITERATIONS = 1e-4, 400
 def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
     """Return rms slope over rms height, at least the longest wave's wavenumber (1/m), whatever the size: for c."""
     power = grid.variances(fourier.transform(height))
-    lowest = 2 * np.pi / max(grid.size)
-    variance = power.sum()
-    if variance == 0:
-        return lowest
-    return max(lowest, float(np.sqrt(np.sum(grid.wavenumber**2 * power) / variance)))
+    variance = power.sum() or np.inf
+    return max(2 * np.pi / max(grid.size), float(np.sqrt(np.sum(grid.wavenumber**2 * power) / variance)))
 
 
 class FourierPreconditioner:
@@ -38,11 +36,7 @@ class FourierPreconditioner:
 
     def __init__(self, operator: PeriodicOperator, shift: float):
         self.field = operator.field
-        self._operator = operator
-        self._inverse = operator.inverse_shifted(shift)
-
-    def apply_and_sum(self) -> float:
-        return self._operator.apply_and_sum(self._inverse)
+        self.apply_and_sum = partial(operator.apply_and_sum, operator.inverse_shifted(shift))
 
 
 def preconditioner_for(
@@ -51,18 +45,14 @@ def preconditioner_for(
     shift: float,
     short_waves: float = SHORT_WAVES,
     halvings: int = HALVINGS,
-) -> tuple[Inverse, list[PeriodicOperator]]:
-    """Return the inverse on an operator in float32, and the coarser operators that it has long waves on.
-
-    Only waves longer than a few points need K: on coarser grids the iterations are as many, for a sixteenth of the
-    transforms (:mod:`contact_study.numerics.multigrid`).
-    """
+) -> Inverse:
+    """Return the inverse on an operator in float32: only waves longer than a few points need K, by coarser grids."""
     rows, columns = operator.grid.shape
     if not (halvings and can_be_halved((rows, columns))):
-        return FourierPreconditioner(operator, shift), []
+        return FourierPreconditioner(operator, shift)
     coarse = make_operator(operator.grid.with_shape((rows // 2, columns // 2)), np.float32)
-    inverse, coarser = preconditioner_for(coarse, make_operator, shift, short_waves, halvings - 1)
-    return HalvedInverse(operator.field, inverse, operator.largest, short_waves), [coarse, *coarser]
+    inverse = preconditioner_for(coarse, make_operator, shift, short_waves, halvings - 1)
+    return HalvedInverse(operator.field, inverse, operator.largest, short_waves)
 
 
 @kernel

@@ -6,8 +6,7 @@ import numpy as np
 
 from bem_adhesion.study.checks import review
 from bem_adhesion.study.overdamped import overdamped_motion
-from bem_adhesion.study.quasi_static import path_of_equilibria
-from bem_adhesion.study.viscoelastic import path_in_time
+from bem_adhesion.study.paths import path_in_time, path_of_equilibria
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
 from contact_study.physics.process_zone import process_zone

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from bem_adhesion.operators.fourier import Load
+from bem_adhesion.operators import Load
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
-from bem_adhesion.study.state import interface_state, solver_options
+from bem_adhesion.study.paths import interface_state, solver_options
 from contact_study.numerics.balance import excess
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results import overdamped_path
@@ -55,7 +55,7 @@ class OverdampedContact(AdhesiveContact):
         )
         self._case, self._spacing = case, surface.grid.spacing
         self._allowed = allowed / self._length
-        self._pairs = self.levels.equivalent_pairs(self._grid)  # at the last count of the work
+        self._pairs = self._work.pairs  # at the last count of the work
 
     def separated(self) -> np.ndarray:
         """Return the gap of the undeformed solid just out of reach of the law (m)."""
@@ -116,7 +116,7 @@ class OverdampedContact(AdhesiveContact):
 
     def _count_work(self) -> float:
         """Return the transform pairs since the last call."""
-        before, self._pairs = self._pairs, self.levels.equivalent_pairs(self._grid)
+        before, self._pairs = self._pairs, self._work.pairs
         return self._pairs - before
 
     def _in_motion(self, result: NewtonResult) -> Solution:

@@ -9,7 +9,7 @@ from bem_adhesion.adhesive.multigrid import MultigridSolver
 from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.contacts.rough_contact import contact_between
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
-from bem_adhesion.operators.fourier import Load, PeriodicOperator, periodic
+from bem_adhesion.operators import Load, periodic
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import Exponential, HardWall
@@ -71,7 +71,7 @@ def test_linear_solver_against_a_dense_matrix():
     dense = np.array([irfft2(stiffness_q * rfft2(e.reshape(shape)), s=shape).ravel() for e in np.eye(points)])
     dense += np.diag(curvature.ravel().astype(float))
     expected = np.linalg.solve(dense, right_side.ravel()).reshape(shape)
-    solver = LinearisedContact(PeriodicOperator(grid, UNIT, np.float32), 0.02)
+    solver = LinearisedContact(periodic(UNIT)(grid, np.float32), 0.02)
     result = solver.solve(right_side, curvature, 1.0, 1e-5, 200)
     assert not result.negative_curvature
     assert result.iterations < 60
@@ -82,7 +82,7 @@ def test_linear_solver_against_a_dense_matrix():
 def test_linear_solver_finds_negative_curvature():
     grid = Grid((16, 16), (20.0, 20.0))
     curvature = np.full(grid.shape, -1.0, np.float32)  # softer than the half-space holds: E* q / 2 = 0.16
-    solver = LinearisedContact(PeriodicOperator(grid, UNIT, np.float32), 0.02)
+    solver = LinearisedContact(periodic(UNIT)(grid, np.float32), 0.02)
     right_side = np.random.default_rng(0).standard_normal(grid.shape).astype(np.float32)
     assert solver.solve(right_side, curvature, 1.0, 0.1, 50).negative_curvature
     assert not solver.solve(right_side, np.abs(curvature), 1.0, 0.1, 50).negative_curvature
@@ -136,7 +136,7 @@ def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
     before = solver.solid.field.copy()
     solver._evaluate_change(result.gap, moved, load)
     by_change, said = solver.solid.field.copy(), solver._rounded
-    solver.solid.field -= solver._single.field
+    solver.solid.field -= solver.single.field
     scale = solver.solid.largest * np.abs(moved - result.gap).max()
     np.testing.assert_allclose(solver.solid.field, before, rtol=0, atol=1e-15 * scale)  # roundings of float64
     error = np.abs(by_change - solver.press(moved, load)).max()

@@ -20,7 +20,7 @@ from bem_adhesion import (
     ViscoelasticContact,
     rough_contact,
 )
-from bem_adhesion.study.state import separation_of
+from bem_adhesion.study.paths import separation_of
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, approach_of, law, self_affine, stepped
 from tests.laws_of_all_kinds import EVERY_LAW
 

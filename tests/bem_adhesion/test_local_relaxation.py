@@ -3,9 +3,8 @@ import pytest
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.adhesive.local_newton import MOST, LocalNewton, _largest_of_tiles, find_subdomains
-from bem_adhesion.adhesive.newton import NewtonSolver
-from bem_adhesion.adhesive.options import NewtonOptions
-from bem_adhesion.operators.fourier import Load, periodic
+from bem_adhesion.adhesive.newton import CLOSE, NewtonSolver
+from bem_adhesion.operators import Load, Work, periodic
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace, Tabulated
@@ -13,16 +12,19 @@ from tests.bem_adhesion.paper_system import E_STAR, law, relative_contact_area, 
 
 UNIT = HalfSpace(1.0)
 POINTS = 256
-CLOSE = NewtonOptions.close
 SCALED = law().scaled(law().length, E_STAR)
 
 
 def relaxed(start, load):
     grid = Grid((POINTS, POINTS), (POINTS * 0.5, POINTS * 0.5))
-    whole, local = (make(grid, periodic(UNIT), SCALED, 0.05) for make in (NewtonSolver, LocalNewton))
+    work = Work(grid.points)
+    whole, local = (
+        NewtonSolver(grid, periodic(UNIT), SCALED, 0.05),
+        LocalNewton(grid, periodic(UNIT, work=work), SCALED, 0.05),
+    )
     worst, out = whole.evaluate(start, load).largest, np.empty_like(start)
     assert local.correct(start, whole.solid.field.copy(), load, whole._right_side, out)
-    assert 0 < local.solver.equivalent_pairs(grid) < 2  # some ten pairs on a sixteenth of the points
+    assert 0 < work.pairs < 2  # some ten pairs on a sixteenth of the points
     return whole, worst, out
 
 
@@ -65,18 +67,18 @@ def test_squares_cover_what_is_out_of_balance_and_are_few():
     tiles = np.zeros((32, 32))
     tiles[3, 3], tiles[3, 5], tiles[0, 31], tiles[20, 20] = 1.0, 0.5, 0.9, 0.3
     tiles[10, 10] = 0.1  # less than a fifth of the worst
-    corners = find_subdomains(tiles, CLOSE)
+    corners = find_subdomains(tiles)
     assert len(corners) == 3
     for row, column in [(3, 3), (3, 5), (0, 31), (20, 20)]:
         assert any(1 <= (row - r) % 32 <= 6 and 1 <= (column - c) % 32 <= 6 for r, c in corners)
     assert (20 - corners[2][0]) % 32 in (3, 4)  # alone it is in the middle
     pair = np.zeros((32, 32))
     pair[10, 10], pair[10, 15], pair[5, 10] = 1.0, 0.5, 0.5
-    assert find_subdomains(pair, CLOSE) == [(4, 9)]  # the one that has all three within its rim
+    assert find_subdomains(pair) == [(4, 9)]  # the one that has all three within its rim
     many = np.zeros((32, 32))
     many[:: 32 // MOST, ::8] = 1.0
-    assert find_subdomains(many, CLOSE) is None
-    assert find_subdomains(0.5 * CLOSE * tiles, CLOSE) is None
+    assert find_subdomains(many) is None
+    assert find_subdomains(0.5 * CLOSE * tiles) is None
 
 
 def test_tiles_of_a_grid_that_they_do_not_divide():

@@ -1,6 +1,5 @@
 """Paths with steps of their own: jumps are found, located and paid for; smooth branches cost nothing."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +9,7 @@ import contact_study
 from bem_adhesion import Dugdale, HardWall, LennardJones104, rough_contact
 from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.study.quasi_static import (
+from bem_adhesion.study.paths import (
     EnergyLedger,
     _skips_pull_off,
     _turns_too_sharply,
@@ -93,7 +92,7 @@ def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
 
 @pytest.fixture
 def lossy(monkeypatch):
-    monkeypatch.setattr("bem_adhesion.study.quasi_static.UNACCOUNTED", np.inf)  # unaccounted work shortens steps, too
+    monkeypatch.setattr("bem_adhesion.study.paths.UNACCOUNTED", np.inf)  # unaccounted work shortens steps, too
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.5])
@@ -113,7 +112,7 @@ def test_the_strongest_pull_is_not_passed_over(begin):
 @pytest.mark.parametrize("first", [0.6, 1.2, 2.4])
 @pytest.mark.usefixtures("lossy")
 def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, monkeypatch):
-    monkeypatch.setattr("bem_adhesion.study.quasi_static._skips_pull_off", lambda *_: False)
+    monkeypatch.setattr("bem_adhesion.study.paths._skips_pull_off", lambda *_: False)
     account = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
     contact = passing()
     _, passed = adaptive_step(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0))
@@ -129,14 +128,14 @@ def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
         EnergyLedger(x, p, x, e, True) for x, p, e in ((0, -0.5, 0), (1, -1, 0.75), (3, -0.5, 2.25))
     )
     assert not _skips_pull_off(before, lowest, 0.0)
-    more = replace(lowest, energy=1.0)  # stored: the pull is one on average, and one at the end
+    more = lowest._replace(energy=1.0)  # stored: the pull is one on average, and one at the end
     assert _skips_pull_off(before, more, 0.0)
     assert not _skips_pull_off(before, more, 1.0), "noise"
     assert not _skips_pull_off(more, before, 0.0), "inwards"
     assert _turns_too_sharply(before, lowest, after)
-    assert not _turns_too_sharply(before, replace(lowest, pressure=-0.5), after)
-    assert not _turns_too_sharply(before, replace(lowest, attached=False), after)
-    assert not _turns_too_sharply(replace(before, pressure=-0.93), lowest, replace(after, pressure=-0.93))
+    assert not _turns_too_sharply(before, lowest._replace(pressure=-0.5), after)
+    assert not _turns_too_sharply(before, lowest._replace(attached=False), after)
+    assert not _turns_too_sharply(before._replace(pressure=-0.93), lowest, after._replace(pressure=-0.93))
 
 
 def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():

@@ -6,7 +6,7 @@ import pytest
 import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
-from bem_adhesion.study.viscoelastic import TimeState, steps_in_time
+from bem_adhesion.study.paths import TimeState, steps_in_time
 from contact_study.physics.solids import Viscoelastic
 from tests.bem_adhesion.paper_system import SIZE, self_affine, stepped
 from tests.bem_adhesion.test_studies import viscoelastic

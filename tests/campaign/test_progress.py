@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import bem_adhesion.study.state
+import bem_adhesion.study.paths
 from contact_study import start
 from contact_study.campaign import progress as module
 from contact_study.campaign.progress import Progress
@@ -83,7 +83,7 @@ def test_every_solver_gives_signs_of_life(model, points, keys, tmp_path, monkeyp
     assert start.bem_adhesion([*given, "-o", str(tmp_path / "told.nc")]) == 0
     assert "at work: iteration 1" in capsys.readouterr().err
     if points == 128:  # the solver itself is traced, which changes no number
-        monkeypatch.setattr(bem_adhesion.study.state, "_TRACED", np.inf)
+        monkeypatch.setattr(bem_adhesion.study.paths, "_TRACED", np.inf)
         assert start.bem_adhesion([*given, "-o", str(tmp_path / "alone.nc")]) == 0
         assert "at work" not in capsys.readouterr().err
         with xr.open_dataset(tmp_path / "told.nc") as told, xr.open_dataset(tmp_path / "alone.nc") as alone:

@@ -6,7 +6,7 @@ from scipy.fft import irfft2, rfft2
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.adhesive.local_newton import LocalNewton
-from bem_adhesion.operators.fourier import periodic
+from bem_adhesion.operators import periodic
 from contact_study.physics.solids import HalfSpace
 from contact_study.study.case import realise
 from contact_study.study.study import make_study

@@ -7,7 +7,7 @@ import pytest
 
 from bem_adhesion.contacts.rough_contact import PlasticContact
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
-from bem_adhesion.study import quasi_static as equilibrium_path
+from bem_adhesion.study import paths as equilibrium_path
 from contact_study.physics.laws import LAWS
 from contact_study.physics.solids import Layer, Measured
 from contact_study.study.study import make_study

@@ -1,17 +1,77 @@
-"""The periodic elastic solid on a grid, linear maps applied by Fourier transforms, and loads on it."""
+"""The periodic elastic solid on a grid, linear maps by Fourier transforms, loads on it, and free boundaries.
+
+The displacement of cells of uniform pressure is their convolution with that of one, C, in closed form (A. E. H. Love,
+Phil. Trans. R. Soc. A 228, 377 (1929)). On a periodic grid of twice the extent, with C by the shorter way around, it is
+the free one inside the surface, exactly (R. W. Hockney, Methods Comput. Phys. 9, 135 (1970)): the inverse of C is the
+stiffness of one more periodic solid, whose undeformed surface is at <displacement> − <p> / K(q=0).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any, Literal
 
 import numpy as np
 
-from bem_adhesion.operators.trace import Phase, Reporter, Trace, TracedTransform
 from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product, kernel
 from contact_study.numerics.memory import Memory, Scratch
-from contact_study.physics.solids import Elasticity
+from contact_study.physics.solids import Elasticity, HalfSpace
+
+Phase = Literal["transform", "spectrum", "extension", "points", "iteration"]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """One mark of a solver.
+
+    A phase begins: a Fourier transform, a product in Fourier space, the extension from a contact set, loops over the
+    points, or an outer iteration, which begins with loops over the points. ``pairs`` are the transform pairs so far, as
+    float64 pairs on the finest grid, with the one under way, ``shape`` the points of the grid in use, ``residual`` that
+    at the start of an iteration in the units of the solver's tolerance.
+    """
+
+    phase: Phase
+    pairs: float
+    shape: tuple[int, int]
+    residual: float | None = None
+
+
+Trace = Callable[[Progress], None]
+"""A function that a solver calls at each mark."""
+
+
+class Work:
+    """Transform pairs of all operators of a contact, as float64 pairs on a grid of so many points, and its trace."""
+
+    def __init__(self, points: int = 1, trace: Trace | None = None):
+        self.points, self.trace, self.pairs = points, trace, 0.0
+
+    def mark(self, phase: Phase, shape: tuple[int, ...], residual: float | None = None) -> None:
+        """Report a phase to the trace, if there is one."""
+        if self.trace is not None:
+            self.trace(Progress(phase, self.pairs, (shape[0], shape[1]), residual))
+
+
+class _MarkedTransform(RealTransform):
+    """A transform that marks its beginning and its end."""
+
+    def __init__(self, work: Work, *arguments: Any):
+        super().__init__(*arguments)
+        self._work = work
+
+    def forward(self) -> np.ndarray:
+        return self._between_marks(super().forward, "spectrum")
+
+    def backward(self) -> np.ndarray:
+        return self._between_marks(super().backward, "points")
+
+    def _between_marks(self, transform: Callable[[], np.ndarray], then: Phase) -> np.ndarray:
+        self._work.mark("transform", self.shape)
+        result = transform()
+        self._work.mark(then, self.shape)
+        return result
 
 
 @kernel
@@ -54,27 +114,28 @@ class PeriodicOperator:
 
     def __init__(
         self,
-        grid: Grid,
         elasticity: Elasticity,
+        mean_stiffness: float,
+        threads: int,
+        scratch: Scratch,
+        work: Work,
+        grid: Grid,
         dtype: type = np.float64,
-        mean_stiffness: float = 0.0,
-        threads: int = 1,
-        scratch: Scratch | None = None,
         memory: Memory | None = None,
-        reporter: Reporter | None = None,
     ):
         self.grid = grid
         self.mean_stiffness = mean_stiffness
         self._elasticity = elasticity
-        self._reporter = reporter
+        self._work = work
         transform = (grid.shape, dtype, threads, scratch, memory)
-        self._transform = RealTransform(*transform) if reporter is None else TracedTransform(reporter, *transform)
+        self._transform = RealTransform(*transform) if work.trace is None else _MarkedTransform(work, *transform)
         self.field = self._transform.field
+        # A pair in float32 counts half.
+        self._share = self._transform.dtype.itemsize / np.dtype(np.float64).itemsize * grid.points / work.points
 
     def mark(self, phase: Phase, residual: float | None = None) -> None:
         """Report a phase to the trace, if there is one."""
-        if self._reporter is not None:
-            self._reporter.mark(phase, self.grid.shape, residual)
+        self._work.mark(phase, self.grid.shape, residual)
 
     def _stiffness_q(self, mean_stiffness: float) -> np.ndarray:
         """Return K of each wavevector (Pa/m) by ``rfft2`` without the rows of −qy, equal to those of qy."""
@@ -110,6 +171,7 @@ class PeriodicOperator:
 
     def apply(self, linear_map: np.ndarray) -> np.ndarray:
         """Apply a map to :attr:`field` in place; return the field."""
+        self._work.pairs += self._share
         self._transform.forward()
         _multiply_spectrum(self._transform.spectrum, linear_map)
         return self._transform.backward()
@@ -117,6 +179,7 @@ class PeriodicOperator:
     def apply_and_sum(self, linear_map: np.ndarray) -> float:
         """Apply a map as :meth:`apply`; return the inner product of input and result."""
         # The sum is formed on the spectrum, before the result exists in real space: the passes around it can be fused.
+        self._work.pairs += self._share
         self._transform.forward()
         total = _multiply_and_sum(self._transform.spectrum, linear_map, self.grid.shape[1] % 2 == 0)
         self._transform.backward()
@@ -124,17 +187,8 @@ class PeriodicOperator:
 
     def interpolate(self, coarser: "PeriodicOperator") -> np.ndarray:
         """Interpolate the field of the same operator on a coarser grid, destroying it, into :attr:`field`."""
+        self._work.pairs += 0.5 * (self._share + coarser._share)
         return self._transform.interpolate(coarser._transform)
-
-    @property
-    def pairs(self) -> float:
-        """Transform pairs so far."""
-        return self._transform.pairs
-
-    def equivalent_pairs(self, grid: Grid) -> float:
-        """Return the pairs so far as float64 pairs on ``grid``; one in float32 counts half."""
-        weight = self._transform.dtype.itemsize / np.dtype(np.float64).itemsize
-        return self.pairs * weight * self.grid.points / grid.points
 
 
 MakeOperator = Callable[..., PeriodicOperator]
@@ -142,16 +196,10 @@ MakeOperator = Callable[..., PeriodicOperator]
 
 
 def periodic(
-    elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1, trace: Trace | None = None
+    elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1, work: Work | None = None
 ) -> MakeOperator:
     """Return a maker of :class:`PeriodicOperator`; all operators that it makes share one spectrum."""
-    scratch = Scratch()
-    reporter = None if trace is None else Reporter(trace)
-
-    def make(grid: Grid, dtype: type, memory: Memory | None = None) -> PeriodicOperator:
-        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch, memory, reporter)
-
-    return make
+    return partial(PeriodicOperator, elasticity, mean_stiffness, threads, Scratch(), work or Work())
 
 
 @dataclass(frozen=True)
@@ -190,3 +238,66 @@ class Load:
         if self.unit is None:
             return 0.5 * inner_product(self.field[here], gap[here])
         return 0.5 * self.unit * inner_product(pressing[here], self.field[here])
+
+
+@dataclass(frozen=True)
+class Window:
+    """The part of a padded grid with a surface: its first rows and columns."""
+
+    shape: tuple[int, int]
+
+    @property
+    def slices(self) -> tuple[slice, slice]:
+        """Index of the surface's points."""
+        return slice(0, self.shape[0]), slice(0, self.shape[1])
+
+    @property
+    def halved(self) -> "Window":
+        """The window on every second point of the grid."""
+        return Window(((self.shape[0] + 1) // 2, (self.shape[1] + 1) // 2))
+
+    def inside(self, field: np.ndarray) -> np.ndarray:
+        """Return the surface's part of a field on the padded grid, a view."""
+        return field[self.slices]
+
+    def padded(self, field: np.ndarray, grid: Grid, filling: float) -> np.ndarray:
+        """Return a field on the padded grid, with one value outside the surface."""
+        result = np.full(grid.shape, filling)
+        result[self.slices] = field
+        return result
+
+
+def padded_grid(grid: Grid) -> Grid:
+    """Return the grid of twice as many points and twice the size along both axes."""
+    return Grid((2 * grid.shape[0], 2 * grid.shape[1]), (2 * grid.size[0], 2 * grid.size[1]))
+
+
+@dataclass(frozen=True)
+class FreeHalfSpace(HalfSpace):
+    """A half-space under the first quarter of a padded grid; its K on that grid is the inverse of Love's C."""
+
+    def stiffness_on(self, grid: Grid) -> np.ndarray:
+        stiffness_q = 1 / np.fft.rfft2(self._compliance(grid)).real
+        stiffness_q[0, 0] = 0.0
+        return stiffness_q
+
+    def mean_stiffness_on(self, grid: Grid) -> float:
+        return float(1 / np.sum(self._compliance(grid)))
+
+    def _compliance(self, grid: Grid) -> np.ndarray:
+        """Return the displacement under a unit pressure on the first cell, by the shorter way around (m/Pa)."""
+        (rows, columns), (dy, dx) = grid.shape, grid.spacing
+        quarter = _cell_displacement(np.arange(rows // 2 + 1) * dy, np.arange(columns // 2 + 1) * dx, dy, dx)
+        down, across = (np.minimum(np.arange(n), n - np.arange(n)) for n in (rows, columns))
+        return quarter[np.ix_(down, across)] / (np.pi * self.contact_modulus)
+
+
+def _cell_displacement(y: np.ndarray, x: np.ndarray, dy: float, dx: float) -> np.ndarray:
+    """Return ∫∫ dξ dη / r over a cell of sides dy and dx around the origin, at (y, x) (m)."""
+    below, above = (y - dy / 2)[:, None], (y + dy / 2)[:, None]
+    left, right = (x - dx / 2)[None, :], (x + dx / 2)[None, :]
+
+    def corner(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v))
+
+    return corner(above, right) + corner(below, left) - corner(above, left) - corner(below, right)

@@ -1,24 +1,28 @@
-"""A loading path of equilibria, and adaptive steps: short where the state jumps, long where it follows the load.
+"""Loading paths of equilibria, in adaptive steps, and in time; solutions as the campaign's state of the interface.
 
-Along a branch the work of the load is stored. A step whose D = −∫p ds − ΔU, s the separation of the mean planes, is
-more than a share of it, that does not converge, or that passes over the largest tension is halved, down to the least;
-D that remains is that of a jump. A step that succeeds is followed by one twice as long.
+Along a branch the work of the load is stored. An adaptive step whose D = −∫p ds − ΔU, s the separation of the mean
+planes, is more than a share of it, that does not converge, or that passes over the largest tension is halved, down to
+the least; D that remains is that of a jump. A step that succeeds is followed by one twice as long. In time the load
+changes at a constant rate from point to point, in equal steps.
 """
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from bem_adhesion.contacts.rough_contact import Contact, contact_between
+from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
+from bem_adhesion.operators import Progress
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.study.state import interface_state, separation_of, solver_options
 from contact_study.numerics import life
-from contact_study.physics.solids import Elasticity
+from contact_study.physics.process_zone import TOO_COARSE
+from contact_study.physics.solids import Elasticity, Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.path_results import UNACCOUNTED, lowest_between, unaccounted, undecided
-from contact_study.results.state import InterfaceState
+from contact_study.results.state import InterfaceState, SolverReport
 from contact_study.study.case import Case
 
 # First step over the way between two points: the error of the trapezoidal rule could hide a jump in all of it.
@@ -29,10 +33,60 @@ _NOISE = 1e-6
 # Tension at the rim, over the law's peak, below which no warning is given: grids that resolve a law err by about as
 # much in the pull-off (docs/validation.md).
 _RIM_TENSION = 0.01
+# Points of a grid from which on a solver's iterations are told; on smaller ones that would cost some per cent.
+_TRACED = 128**2
 
 
-@dataclass(frozen=True)
-class EnergyLedger:
+def solver_options(case: Case, points: int) -> dict[str, Any]:
+    """Return the options of a contact of so many points that a case gives its solver."""
+    given = case.solver
+    limits = {"tolerance": given.tolerance, "max_iterations": given.max_iterations, "threads": max(1, given.threads)}
+    return {"control": case.loading.control, "trace": _beat if points >= _TRACED else None, **limits}
+
+
+def _beat(progress: Progress) -> None:
+    """Pass on the beginning of an iteration."""
+    if progress.phase == "iteration":
+        life.beat(progress.residual)
+
+
+def separation_of(solution: Solution, solid: Elasticity) -> float:
+    """Return the distance of the mean planes, without that of the heights (m)."""
+    if solution.plane is not None and not solution.detached:
+        return solution.plane
+    # Mean gap and separation differ by the uniform compression of a layer and by the indentation.
+    separation = float(np.mean(solution.gap)) - solid.compression(float(np.mean(solution.pressure)))
+    yielded = solution.plastic_indentation
+    return separation if yielded is None else separation - float(np.mean(yielded))
+
+
+def interface_state(
+    case: Case, solution: Solution, spacing: tuple[float, float], stiffness: float | None = None
+) -> InterfaceState:
+    """Return the state of a case's interface; ``spacing`` (m) along y and x, ``stiffness`` −dp/dū if known (Pa/m)."""
+    gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation
+    separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
+    further = {} if stiffness is None else {"contact_stiffness": stiffness}
+    if yielded is not None:  # the pressure on a yielding point is the hardness throughout
+        further["plastic_work"] = (case.material.hardness or 0.0) * float(np.mean(yielded))
+    return InterfaceState(
+        gap=gap,
+        pressure=pressure,
+        contact=case.law.in_contact(gap, pressure, case.contact_distance),
+        equilibrium_distance=case.law.equilibrium_distance,
+        mean_separation=separation,
+        elastic_energy=solution.elastic_energy,
+        interaction_energy=solution.interaction_energy,
+        report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
+        restart={"state": solution.state},
+        spacing=spacing,
+        plastic_indentation=yielded,
+        further=further,
+        periodic=case.elasticity.boundary == "periodic",
+    )
+
+
+class EnergyLedger(NamedTuple):
     """A state on a path, and the energy dissipated in jumps so far with its uncertainty; energies per area (J/m²)."""
 
     position: float  # prescribed mean pressure (Pa), mean gap or approach (m)
@@ -47,17 +101,6 @@ class EnergyLedger:
     def state(self) -> np.ndarray:
         """Mean pressure, separation and energy."""
         return np.array([self.pressure, self.separation, self.energy])
-
-    @property
-    def array(self) -> np.ndarray:
-        """Numbers to store between the points of a path."""
-        return np.array(astuple(self), float)
-
-    @classmethod
-    def of(cls, array: np.ndarray) -> "EnergyLedger":
-        """Restore a ledger from its :attr:`array`."""
-        position, pressure, separation, energy, attached, *dissipated = map(float, array)
-        return cls(position, pressure, separation, energy, bool(attached), *dissipated)
 
 
 def ledger_of(
@@ -127,10 +170,10 @@ def adaptive_step(
             return ended, passed
         if jumped and not detached:
             unknown = float(undecided(now.state, new.state))
-            new = replace(new, dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)
+            new = new._replace(dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)
         state, earlier, length = found.state, state, 2 * way
         passed.append(new)
-        torn |= detached
+        torn = torn or bool(detached)
         if last:
             # A tension on surfaces that detached on the way to this point finds them apart.
             outcome = Outcome.DETACHED if torn and found.outcome is Outcome.APART else found.outcome
@@ -166,7 +209,7 @@ def path_of_equilibria(
     contact = contact_between(surface.sampled, surface.grid, *kind, **solver_options(case, surface.grid.points))
     state, ledger = contact.separated() if restart is None else restart["state"], None
     if restart is not None:
-        ledger = EnergyLedger.of(restart["account"]) if "account" in restart else None
+        ledger = EnergyLedger(*restart["account"].tolist()) if "account" in restart else None
     elif case.least_step is not None and case.loading.control == "pressure":  # with another control after one step
         ledger = EnergyLedger(0.0, 0.0, float(state.mean()), 0.0, False)
     # A flat punch has no surface beyond its rim.
@@ -182,7 +225,7 @@ def path_of_equilibria(
                 found,
                 further={**found.further, **losses},
                 passed=passed_states(passed, case.law.equilibrium_distance),
-                restart={**found.restart, "account": ledger.array},
+                restart={**found.restart, "account": np.array(ledger, float)},
             )
         _warn_of_rim(case, number, found, warned)
         yield found
@@ -208,26 +251,74 @@ def _warn_of_rim(case: Case, number: int, found: InterfaceState, warned: set[str
     """Warn once a path if, with free boundaries, the rim of the surface is in contact or under tension."""
     if case.elasticity.boundary != "free":
         return
-    head, tail = f'elasticity.boundary = "free": at {case.point_in_words(number)} ', "a larger surface.size has it"
-    if _rim(found.contact).any():
-        if "contact" not in warned:
-            warnings.warn(
-                f"{head}contact reaches the rim of the surface; what would touch beyond it is missing: {tail}",
-                stacklevel=3,
-            )
-        warned |= {"contact", "tension"}
-    elif case.law.attracts and "tension" not in warned:
-        pull = -_rim(found.pressure) / case.law.peak_tensile_stress
-        if pull.max() > _RIM_TENSION:
-            warnings.warn(
-                f"{head}the law pulls at the rim of the surface, at {100 * np.mean(pull > _RIM_TENSION):.0f} % of its "
-                f"points and with up to {100 * pull.max():.3g} % of its peak; what it would pull beyond is missing: "
-                f"{tail}",
-                stacklevel=3,
-            )
-            warned.add("tension")
+    touches, pressure = (
+        np.concatenate([field[[0, -1]].ravel(), field[1:-1, [0, -1]].ravel()])
+        for field in (found.contact, found.pressure)
+    )
+    pull = -pressure / case.law.peak_tensile_stress if case.law.attracts else np.zeros(1)
+    if touches.any():
+        kind, words = "contact", "contact reaches the rim of the surface; what would touch beyond it"
+    elif pull.max() > _RIM_TENSION:
+        share, most = 100 * np.mean(pull > _RIM_TENSION), 100 * pull.max()
+        kind, words = "tension", f"the law pulls at the rim of the surface, at {share:.0f} % of its points and with up"
+        words += f" to {most:.3g} % of its peak; what it would pull beyond"
+    else:
+        return
+    if kind not in warned:
+        head = f'elasticity.boundary = "free": at {case.point_in_words(number)} {words}'
+        warnings.warn(f"{head} is missing: a larger surface.size has it", stacklevel=3)
+    warned |= {kind, "tension"}
 
 
-def _rim(field: np.ndarray) -> np.ndarray:
-    """Return the points of the first and last row and column."""
-    return np.concatenate([field[[0, -1]].ravel(), field[1:-1, [0, -1]].ravel()])
+class TimeState(NamedTuple):
+    """Load on a path in time, time since its start (s), and energy dissipated so far (J/m²)."""
+
+    position: float
+    time: float = 0.0
+    dissipated: float = 0.0
+
+
+def steps_in_time(
+    contact: ViscoelasticContact, state: np.ndarray, before: TimeState, target: float, duration: float, steps: int
+) -> Iterator[tuple[Solution, TimeState]]:
+    """Yield states from one point of a path to the next, with the work so far; the load changes at a constant rate."""
+    now, pairs, iterations = before, 0.0, 0
+    for number in range(1, steps + 1):
+        share = number / steps
+        position = target if number == steps else before.position + share * (target - before.position)
+        solution, dissipated = contact.step(state, position, duration / steps)
+        now = TimeState(position, before.time + share * duration, now.dissipated + dissipated)
+        pairs, iterations = pairs + solution.fft_pairs, iterations + solution.iterations
+        yield replace(solution, fft_pairs=pairs, iterations=iterations), now
+        if not solution.converged:
+            return
+        state = solution.state
+
+
+def path_in_time(
+    case: Case, surface: Surface, solid: Viscoelastic, restart: Mapping[str, np.ndarray] | None, start: int
+) -> Iterator[InterfaceState]:
+    """Yield the states of a case's path with their times; parameters as for :func:`solve_path`."""
+    loading = case.loading
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study warns for all cases
+        options = solver_options(case, surface.grid.points)
+        contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, **options)
+    if restart is None:
+        out_of_reach = contact.first_gap - case.law.equilibrium_distance
+        state, now = contact.separated(), TimeState(0.0 if loading.control == "pressure" else out_of_reach)
+    else:
+        state, now = restart["state"], TimeState(*restart["moment"].tolist())
+    for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
+        passed = []
+        for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
+            if solution.converged:
+                passed.append(ledger_of(solution, moment.position, case.solid))
+        state, now = solution.state, moment
+        found = interface_state(case, solution, surface.grid.spacing)
+        yield replace(
+            found,
+            further={"time": now.time, "viscous_dissipation": now.dissipated},
+            passed=passed_states(passed, case.law.equilibrium_distance),
+            restart={**found.restart, "moment": np.array(now)},
+        )
