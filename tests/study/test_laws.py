@@ -293,10 +293,7 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
         ({}, r"missing key interaction\.path"),
         ({"path": "none.txt"}, r"^interaction\.path: \S*none\.txt cannot be read"),
         ({"path": "law.txt", "gap": [1e-10]}, r"interaction\.path and interaction\.gap"),
-        (
-            {"path": "words.txt"},
-            r"^interaction\.path: \S*words\.txt is no table of numbers: line 2 is .* remove words",
-        ),
+        ({"path": "words.txt"}, r"^interaction\.path: \S*words\.txt is no table of numbers: line 2 is .* remove words"),
         ({"path": "semicolons.txt"}, r"line 1 is '1;2'; .* columns by blanks, tabs or commas$"),
         ({"path": "ragged.txt"}, r"ragged\.txt is no table of numbers: line 4 has 1 of them, line 2 has 2$"),
         ({"path": "empty.txt"}, r"interaction\.path: .*empty\.txt is empty; expected 2 columns"),

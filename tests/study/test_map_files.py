@@ -71,13 +71,7 @@ def netcdf(path, heights):
 
 
 @pytest.mark.parametrize(
-    ("name", "write"),
-    [
-        ("map.nc", netcdf),
-        ("map.xyz", wsxm_xyz),
-        ("map.txt", wsxm_matrix),
-        ("map.asc", gwyddion),
-    ],
+    ("name", "write"), [("map.nc", netcdf), ("map.xyz", wsxm_xyz), ("map.txt", wsxm_matrix), ("map.asc", gwyddion)]
 )
 def test_files_that_say_all(tmp_path, heights, name, write):
     write(tmp_path / name, heights)

@@ -26,13 +26,7 @@ def refused(path, **keys):
 
 @pytest.mark.parametrize(
     ("separator", "decimal", "end"),
-    [
-        (",", ".", ""),
-        (",", ".", ","),
-        (";", ",", ";"),
-        ("\t", ",", ""),
-        (", ", ",", ","),
-    ],
+    [(",", ".", ""), (",", ".", ","), (";", ",", ";"), ("\t", ",", ""), (", ", ",", ",")],
 )
 def test_what_parts_the_numbers_and_their_decimal_sign(tmp_path, separator, decimal, end):
     (tmp_path / "map.csv").write_text("# of a profiler\n" + table(separator, decimal, end))

@@ -4,13 +4,7 @@ from dataclasses import MISSING, fields
 
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.laws.exponential import Dugdale, DugdaleCore, Exponential, ExponentialCore, Morse
-from contact_study.physics.laws.lennard_jones import (
-    HardWall,
-    LennardJones,
-    LennardJones93,
-    LennardJones104,
-    Repulsive,
-)
+from contact_study.physics.laws.lennard_jones import HardWall, LennardJones, LennardJones93, LennardJones104, Repulsive
 from contact_study.physics.laws.tabulated import TabulatedLaw
 
 __all__ = [
