@@ -59,7 +59,7 @@ TESTS = {
     "contact_study/physics/height_maps/height_map.py": "test_surface.py test_map_files.py",
     "contact_study/physics/height_maps/text.py": "test_map_files.py test_map_text.py",
     "contact_study/physics/roughness/statistics.py": "test_roughness.py ",
-    "contact_study/physics/surfaces/measured.py": "test_map_files.py test_surface.py",
+    "contact_study/physics/surfaces/surface.py": "test_map_files.py test_surface.py",
     "contact_study/physics/laws/base.py": "test_laws.py ",
     "contact_study/physics/laws/lennard_jones.py": "test_laws.py ",
 }

@@ -12,9 +12,9 @@ from bem_adhesion.linear.conjugate_gradients import typical_wavenumber
 from bem_adhesion.operators import Load, Trace, Window, Work, periodic
 from bem_adhesion.solution import NewtonResult, Outcome, Solution, check_arguments, require_solution
 from contact_study.numerics.arguments import step_arguments
-from contact_study.numerics.exclusive import in_turn
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product
+from contact_study.numerics.memory import in_turn
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import Elasticity, elasticity_of
 

@@ -13,9 +13,9 @@ from bem_adhesion.linear.conjugate_gradients import LinearisedContact, typical_w
 from bem_adhesion.operators import Trace, Work, periodic
 from bem_adhesion.solution import Outcome, Solution, check_arguments, require_solution
 from contact_study.numerics.arguments import positive, step_arguments
-from contact_study.numerics.exclusive import in_turn
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product
+from contact_study.numerics.memory import in_turn
 from contact_study.physics.laws import HardWall
 from contact_study.physics.solids import Elasticity, elasticity_of
 

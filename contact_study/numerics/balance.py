@@ -1,7 +1,4 @@
-"""Force balance of a contact under a mean pressure, by one definition for the continuum and the atoms.
-
-The tolerance of a residual shrinks with the load and the interface's largest stress where these are small.
-"""
+"""Force balance of a contact under a mean pressure, whose tolerance shrinks with small loads and stresses."""
 
 from typing import NamedTuple
 

@@ -59,14 +59,13 @@ class Bins:
 
     def equal(self, other: "Bins") -> bool:
         """Compare edges up to rounding."""
+        mine, others = (bins.edges_of.values() for bins in (self, other))
         return all(
             one.size == two.size and np.allclose(one, two, rtol=0, atol=_SAME * (one[1] - one[0]))
-            for one, two in self._pairs(other)
+            for one, two in zip(mine, others, strict=True)
         )
 
     def hold(self, other: "Bins") -> bool:
         """Tell whether the other bins are no finer, so that their distributions follow from these."""
-        return all((two[1] - two[0]) >= (1 - _SAME) * (one[1] - one[0]) for one, two in self._pairs(other))
-
-    def _pairs(self, other: "Bins") -> list[tuple[np.ndarray, np.ndarray]]:
-        return [(self.pressure_edges, other.pressure_edges), (self.gap_edges, other.gap_edges)]
+        mine, others = (np.array([edges[1] - edges[0] for edges in bins.edges_of.values()]) for bins in (self, other))
+        return bool(np.all(others >= (1 - _SAME) * mine))

@@ -19,8 +19,8 @@ import numpy as np
 from contact_study.inputs.files import cache_folder, has_locks
 from contact_study.numerics.memory import Memory, Scratch
 
-# OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the
-# scheduler at every barrier, and two threads take up to a hundred times as long as one. FFTW reads it when loaded.
+# OpenMP's threads spin while they wait for one another: two take up to a hundred times as long as one where another
+# process holds a core. FFTW reads it when loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 # A second thread of FFTW gains little below this size, and costs much when the other core is busy.

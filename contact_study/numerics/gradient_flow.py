@@ -1,9 +1,8 @@
-"""Overdamped motion under a slowly changing load: η du/dt = −∂E/∂u until all is at rest.
+"""Overdamped motion under a slowly changing load: η du/dt = −∂E/∂u until all is at rest; time is in units of η.
 
-Every degree of freedom has the same friction η, on which the state behind a jump depends; time is in units of η over
-that of stiffness. A step is implicit Euler's: u_{n+1} minimises E(u) + |u − u_n|²/2τ at the load of its end. Its local
-error, ½τ²ü, is the distance to the point that the velocity before leads to, times τ/(τ + τ_before) (K. E. Brenan,
-S. L. Campbell and L. R. Petzold, Numerical Solution of Initial-Value Problems in DAEs, 1989), and decides on τ.
+Implicit Euler: u_{n+1} minimises E(u) + |u − u_n|²/2τ at the load of its end. The local error, ½τ²ü, is the distance to
+the point that the velocity before leads to, times τ/(τ + τ_before) (K. E. Brenan, S. L. Campbell and L. R. Petzold,
+Numerical Solution of Initial-Value Problems in DAEs, 1989).
 """
 
 from collections.abc import Iterator
@@ -15,8 +14,7 @@ import numpy as np
 
 from contact_study.numerics import life
 
-# A step whose error was e of what is allowed is followed, or replaced, by one _SAFETY e^(−1/2) times as long, within
-# these limits; one without solution is shortened.
+# A step that errs by e of what is allowed is followed, or replaced, by one _SAFETY e^(−1/2) times as long, in limits.
 _SAFETY, _SMALLEST_GROWTH, _LARGEST_GROWTH, _NOT_FOUND = 0.9, 0.2, 3.0, 0.3
 # Limits of τ over the first one: rounding dominates shorter steps, longer ones feel no friction.
 _SHORTEST, _LONGEST = 1e-12, 1e15

@@ -1,11 +1,26 @@
-"""Memory shared by arrays that are never needed at the same time."""
+"""Memory shared by arrays that are never needed at the same time, by one thread at a time."""
 
 import math
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
 # Bytes: the vector instructions of FFTW, and a line of the cache.
 ALIGNMENT = 64
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+
+
+def in_turn(method: _Method) -> _Method:
+    """Make threads take turns in a method, by the lock ``turn`` of its object: its arrays serve one at a time."""
+
+    @wraps(method)
+    def taken(self: Any, /, *arguments: Any, **options: Any) -> Any:
+        with self.turn:
+            return method(self, *arguments, **options)
+
+    return cast(_Method, taken)
 
 
 def aligned(size: int) -> np.ndarray:

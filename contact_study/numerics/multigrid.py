@@ -1,11 +1,6 @@
 """A periodic grid and one of half its resolution: bilinear interpolation P, the mean Pᵀ/4, and an inverse.
 
-The inverse of a solid's stiffness K beside springs c needs K for waves longer than a few points only.
-:class:`HalvedInverse` solves those on a grid of half the resolution and the rest by one stiffness for each component,
-
-    P (K + c)⁻¹ Pᵀ / 4 + ω / K_max,
-
-the first term by the same on the coarser grid: symmetric and positive, as the additive multilevel preconditioner of
+For a stiffness K beside springs c, P (K + c)⁻¹ Pᵀ / 4 + ω / K_max, by levels: the additive multilevel preconditioner of
 J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990).
 """
 

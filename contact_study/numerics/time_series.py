@@ -1,9 +1,8 @@
 """Means of correlated series and their errors.
 
 The error of a mean over n values of autocorrelation time τ is that of n/(2τ) independent ones. τ = ½ + Σ ρ(t) is
-summed up to a window W of five times itself. Beyond it less than e⁻⁵ of the sum is left for an exponential memory, and
-noise would add more (A. D. Sokal, in "Functional Integration: Basics and Applications", 1997). The standard error of τ
-is √(2(2W + 1)/n) τ (ibid.): half of τ at n = 56 without memory, W = 3.
+summed up to a window W of five times itself; its standard error is √(2(2W + 1)/n) τ (A. D. Sokal, in "Functional
+Integration: Basics and Applications", 1997).
 """
 
 from dataclasses import dataclass

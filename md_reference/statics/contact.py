@@ -9,7 +9,7 @@ from scipy import optimize
 from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.arguments import check_control, field, finite, grid_of, positive, step_arguments
-from contact_study.numerics.exclusive import in_turn
+from contact_study.numerics.memory import in_turn
 from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import SurfaceStiffness, isotropic_element, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface, interface_of

@@ -24,9 +24,7 @@ Channel = str | int | None
 
 # A cell wider than this (m) was written in another unit: no instrument that resolves roughness reaches as far.
 WIDEST = 0.1
-# Relative difference up to which two sizes are one: headers round to four digits. The usual mistake, counting
-# intervals instead of points, is 1/N, and larger on all maps of less than a thousand points a side.
-_SAME_SIZE = 1e-3
+_SAME_SIZE = 1e-3  # relative difference up to which two sizes are one: headers round to four digits
 # A map's variable of a NetCDF file, of this project and of SurfaceTopography, and what marks missing heights there.
 _USUAL, _MASK = ("height", "heights"), "mask"
 # Channels of a microscope that are no heights, whatever unit its software gives them.
@@ -176,14 +174,13 @@ def _netcdf(path: Path, channel: Channel) -> RawMap:
             if dimension not in dataset.coords or dataset[dimension].size < 2:
                 continue
             steps.append(step_of(dimension, dataset[dimension].values.astype(float)))
-            if steps[-1] < 0:
-                heights = heights.isel({dimension: slice(None, None, -1)})
+            heights = heights.sortby(dimension)
             units.append(_unit(dataset[dimension]))
         if len(steps) < 2:
             return RawMap(heights.values, None, _unit(heights))
         said = next((unit for unit in units if unit), None)  # of two coordinates one may speak for both
         sizes = [quantity(f"1 {unit or said or 'm'}", "m", f"surface.path: {path}, unit of x or y") for unit in units]
-        y, x = (abs(step) * n * one for step, n, one in zip(steps, heights.shape, sizes, strict=True))
+        y, x = (step * n * one for step, n, one in zip(steps, heights.shape, sizes, strict=True))
         return RawMap(heights.values, (y, x), _unit(heights), said and "m")
 
 

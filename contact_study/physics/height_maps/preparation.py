@@ -5,6 +5,9 @@ import numpy as np
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 
+# In place of the number of a missing height.
+_KNOWN, _OUTSIDE = -1, -2
+
 
 def detrended(heights: np.ndarray, degree: int) -> np.ndarray:
     """Subtract the least-squares polynomial of a total degree (0: the mean) from heights, NaN where missing."""
@@ -26,29 +29,25 @@ def detrended(heights: np.ndarray, degree: int) -> np.ndarray:
 def filled(heights: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
     """Fill missing heights (NaN) by the harmonic function that continues those around, of no slope at the edges."""
     missing = ~np.isfinite(heights)
-    count = int(missing.sum())
+    count = np.count_nonzero(missing)
     if count == 0:
         return heights.copy()
     from scipy import sparse  # slow to import
     from scipy.sparse.linalg import spsolve
 
-    number = np.full(heights.shape, -1)
-    number[missing] = np.arange(count)
-    diagonal, right = np.zeros(count), np.zeros(count)
-    entries: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+    own = np.arange(count)
+    number, known = np.full(heights.shape, _KNOWN), np.where(missing, 0.0, heights)
+    number[missing] = own
+    number, known = np.pad(number, 1, constant_values=_OUTSIDE), np.pad(known, 1)
+    laplacian, right = sparse.csr_matrix((count, count)), np.zeros(count)
     for axis, step in enumerate(spacing):
         weight = (min(spacing) / step) ** 2
-        lower = tuple(slice(None, -1) if i == axis else slice(None) for i in range(2))
-        upper = tuple(slice(1, None) if i == axis else slice(None) for i in range(2))
-        for here, there in ((lower, upper), (upper, lower)):
-            own, other, height = number[here], number[there], heights[there]
-            diagonal += np.bincount(own[own >= 0], minlength=count) * weight
-            edge = (own >= 0) & (other < 0)
-            right += np.bincount(own[edge], weight * height[edge], minlength=count)
-            inner = (own >= 0) & (other >= 0)
-            entries.append((own[inner], other[inner], np.full(int(inner.sum()), -weight)))
-    row, column, value = (np.concatenate(part) for part in zip(*entries, strict=True))
-    laplacian = sparse.coo_matrix((value, (row, column)), (count, count)) + sparse.diags(diagonal)
+        for shift in (-1, 1):
+            other, height = (np.roll(part, shift, axis)[1:-1, 1:-1][missing] for part in (number, known))
+            inner = other >= 0
+            beside = np.full(np.count_nonzero(inner), -weight), (own[inner], other[inner])
+            laplacian += sparse.coo_matrix(beside, (count, count)) + sparse.diags(weight * (other > _OUTSIDE))
+            right += weight * height
     whole = heights.copy()
     whole[missing] = spsolve(laplacian.tocsc(), right)
     return whole
@@ -56,8 +55,7 @@ def filled(heights: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
 
 def mirrored(heights: np.ndarray) -> np.ndarray:
     """Join a map to its mirror images beyond the far edges, shape (2 ny, 2 nx): periodic without a jump."""
-    rows = np.concatenate([heights, heights[::-1]])
-    return np.concatenate([rows, rows[:, ::-1]], axis=1)
+    return np.pad(heights, [(0, count) for count in heights.shape], mode="symmetric")
 
 
 def windowed(heights: np.ndarray, share: float) -> np.ndarray:

@@ -11,18 +11,13 @@ import numpy as np
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import quantity
 
-# Letters of a line that a message shows.
-_SHOWN = 40
-# Fractions, of which a tenth begins with 0, among which one does so for certain.
-_MANY = 30
+_MANY = 30  # fractions, of which a tenth begins with 0, among which one does so for certain
 # The words of Gwyddion's export in the languages of its menus.
 _WIDTH = "Width|Šířka|Breite|Anchura|Largeur|Larghezza|Largura|Ширина|幅|폭"
 _HEIGHT = "Height|Výška|Höhe|Altura|Hauteur|Altezza|Высота|高さ|높이"
-# Largest distance of a coordinate from its place on an even grid, in steps: what rounded decimals and single
-# precision leave, and far less than the height changes over.
+# Largest distance of a coordinate from its place on an even grid, in steps: rounded decimals and single precision.
 _UNEVEN = 0.01
-# Grid points for each point given, beyond which points are scattered and no grid with holes.
-_SPARSEST = 4
+_SPARSEST = 4  # grid points for each point given, beyond which points are scattered and no grid with holes
 _NUMBER = re.compile(r"\s*[-+]?\.?\d|\s*nan\b", re.IGNORECASE)
 
 
@@ -117,13 +112,12 @@ def _esri(lines: Sequence[str]) -> RawMap:
     """An ASCII grid of ESRI: columns, rows, corner, cell size and the mark of missing heights, then rows."""
     said: dict[str, float] = {}
     while re.match(r"\s*[A-Za-z_]", lines[len(said)]):
-        name, number = lines[len(said)].split()
-        said[name.lower()] = float(number)
+        name, number = lines[len(said)].lower().split()
+        said[name] = float(number)
     heights = _numbers(lines[len(said) :])[::-1].copy()
     rows, columns = int(said.get("nrows", -1)), int(said["ncols"])
     if heights.shape != (rows, columns):
-        held = "{} x {}".format(*heights.shape)
-        raise MapError(f"holds {held} heights, its header says {rows} x {columns}")
+        raise MapError(f"holds {len(heights)} x {heights[0].size} heights, its header says {rows} x {columns}")
     heights[heights == said.get("nodata_value", -9999.0)] = np.nan
     return RawMap(heights, (rows * said["cellsize"], columns * said["cellsize"]))
 
@@ -144,17 +138,19 @@ def _numbers(lines: Sequence[str]) -> np.ndarray:
         lines, separator = [re.sub(r",([ \t]+|$)", ";", line.rstrip()) for line in lines], ";"
     if decimal == ",":
         lines = [line.replace(",", ".") for line in lines]
-    if separator:
-        lines = _whole(lines, separator)
+    if separator:  # what all lines end with parts nothing; empty places hold NaN
+        lines = [line.strip() for line in lines if line.strip() and not line.lstrip().startswith("#")]
+        if all(line.endswith(separator) for line in lines):
+            lines = [line.removesuffix(separator) for line in lines]
+        lines = [separator.join(cell if cell.strip() else "nan" for cell in line.split(separator)) for line in lines]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of no rows
         try:
             table = np.loadtxt(lines, ndmin=2, delimiter=separator)
         except ValueError as error:
             words = next((line for line in lines if line.strip()[:1] not in ("", "#") and not _NUMBER.match(line)), "")
-            # NumPy's own arguments follow a semicolon.
-            reason = str(error).partition(";")[0]
-            raise ValueError(f"it has the line {words.strip()[:_SHOWN]!r}" if words else reason) from None
+            reason = str(error).partition(";")[0]  # followed by NumPy's own arguments
+            raise ValueError(f"it has the line {words.strip()[:40]!r}" if words else reason) from None
     if not table.size:
         raise MapError("holds no numbers")
     return table
@@ -188,21 +184,13 @@ def _may_be_decimal(rows: Sequence[Sequence[str]]) -> bool:
     return not (integers and lengths != {1} and len(digits) >= _MANY)
 
 
-def _whole(lines: Sequence[str], separator: str) -> list[str]:
-    """Lines whose empty places hold NaN; what all of them end with parts nothing."""
-    there = [line.strip() for line in lines if line.strip() and not line.lstrip().startswith("#")]
-    if all(line.endswith(separator) for line in there):
-        there = [line.removesuffix(separator) for line in there]
-    return [separator.join(cell if cell.strip() else "nan" for cell in line.split(separator)) for line in there]
-
-
 def line_scan(points: int) -> MapError:
     """Make the error for a file that holds a line."""
     return MapError(f"holds a line scan ({points} points); a map (rows x columns) is needed")
 
 
 def step_of(name: str, values: np.ndarray) -> float:
-    """Find the step of evenly spaced coordinates, negative where they decrease; raise InputError for others."""
+    """Find the spacing of even coordinates in either direction; raise InputError for others."""
     step = (values[-1] - values[0]) / (values.size - 1)
     even = values[0] + step * np.arange(values.size)
     if not np.all(np.abs(values - even) <= _UNEVEN * abs(step)) or step == 0:
@@ -211,7 +199,7 @@ def step_of(name: str, values: np.ndarray) -> float:
             f"the coordinate {name} of {{path}} is not evenly spaced (steps from {lengths.min():.6g} to "
             f"{lengths.max():.6g}); resample the map on an even grid"
         )
-    return float(step)
+    return abs(float(step))
 
 
 def gridded(points: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -21,15 +21,15 @@ _INVERSE_STEPS = 100
 _FARTHEST = 1e100
 # Gap below which points count as contact unless a study says otherwise, in units of the law's length.
 CONTACT_DISTANCE = 2 ** (1 / 6)
+_Function = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
 class TractionLaw(ABC):
-    """Interaction energy φ per area as a function of the local gap.
+    """Interaction energy φ per area as a function of the local gap; the traction φ'(gap) is positive in tension.
 
-    Sign: the traction φ'(gap) is positive in tension. A law must give :meth:`potential`, written so that it takes
-    complex gaps; all else follows from it, by derivatives in the complex plane and by search, and may be given in
-    closed form for speed.
+    A law must give :meth:`potential`, written so that it takes complex gaps; all else follows from it, by derivatives
+    in the complex plane and by search, and may be given in closed form for speed.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class TractionLaw(ABC):
         """Largest −φ'' of the attractive tail (Pa/m)."""
         return -float(self.stiffness(np.array(self.lowest(self.stiffness))))
 
-    def lowest(self, function: Callable[[np.ndarray], np.ndarray]) -> float:
+    def lowest(self, function: _Function) -> float:
         """Gap from equilibrium outwards where a function is lowest (m)."""
         gaps = self.equilibrium_distance + self.length * np.concatenate([[0.0], _SAMPLES])
         at = int(np.argmin(function(gaps)))
@@ -139,12 +139,12 @@ class TractionLaw(ABC):
             return self.equilibrium_distance
         from scipy.optimize import minimize_scalar  # slow to import
 
-        near, far = gaps[at - 1] / self.length, gaps[at + 1] / self.length
-
-        def at_gap(gap: float) -> float:
-            return float(function(np.array(self.length * gap)))
-
-        found = minimize_scalar(at_gap, bounds=(near, far), method="bounded", options={"xatol": 1e-9})
+        found = minimize_scalar(
+            lambda gap: float(function(np.array(self.length * gap))),
+            bounds=(gaps[at - 1] / self.length, gaps[at + 1] / self.length),
+            method="bounded",
+            options={"xatol": 1e-9},
+        )
         return self.length * float(found.x)
 
     @property
@@ -171,16 +171,8 @@ class LawAtLength(TractionLaw):
         return self.length
 
 
-def solved(
-    function: Callable[[np.ndarray], np.ndarray],
-    slope: Callable[[np.ndarray], np.ndarray],
-    value: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
-    start: np.ndarray,
-) -> np.ndarray:
+def solved(function: _Function, slope: _Function, value: np.ndarray, low: Any, high: Any, x: np.ndarray) -> np.ndarray:
     """Solve function = value in brackets where it rises, by Newton's steps or halves where they leave the bracket."""
-    x = start
     for _ in range(_INVERSE_STEPS):
         excess = function(x) - value
         low, high = np.where(excess <= 0, x, low), np.where(excess >= 0, x, high)

@@ -1,7 +1,7 @@
 """Laws of exponentials: attraction outside a hard wall or with a repulsion in its place, and Morse's law."""
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -43,13 +43,9 @@ class Exponential(TractionLaw):
 class Dugdale(TractionLaw):
     """Constant tension outside a hard wall: Dugdale's law, that of Maugis' sphere.
 
-    σ = Δγ/h for gaps below h and nothing beyond (D. Maugis, J. Colloid Interface Sci. 150, 243 (1992)). A tension that
-    ends at one point has no stiffness there, and a grid's contact then follows no smooth path. The end is a ramp,
-
-        σ(u) = σ0 / (1 + e^((u−h)/w)),    w = ramp × h,
-
-    nine tenths to one tenth over 4.4 w. The work of adhesion stays Δγ, σ0 = Δγ/(w ln(1 + e^(h/w))), at the default ramp
-    of 0.05 Δγ/h to 1e-10.
+    σ = Δγ/h for gaps below h and nothing beyond (D. Maugis, J. Colloid Interface Sci. 150, 243 (1992)). Its end is a
+    ramp, as a grid's contact follows no smooth path where tension has no stiffness: σ(u) = σ0/(1 + e^((u−h)/w)) with
+    w = ramp × h falls from nine tenths to one tenth over 4.4 w; σ0 = Δγ/(w ln(1 + e^(h/w))) keeps Δγ.
 
     Parameters
     ----------
@@ -80,16 +76,12 @@ class Dugdale(TractionLaw):
         """σ0 (Pa)."""
         return self.work_of_adhesion / (self.width * float(np.logaddexp(0, 1 / self.ramp)))
 
-    def _past(self, gap):
-        """(u − h)/w."""
-        return (np.asarray(gap) - self.length) / self.width
-
     def _held(self, gap):
-        """1/(1 + e^x), to the last digit far out too, where a core still compares with it."""
-        return np.exp(-np.logaddexp(0, self._past(gap)))
+        """1/(1 + e^((u−h)/w)), to the last digit far out too, where a core still compares with it."""
+        return np.exp(-np.logaddexp(0, (np.asarray(gap) - self.length) / self.width))
 
     def potential(self, gap):
-        x = self._past(gap)
+        x = (np.asarray(gap) - self.length) / self.width
         # ln(1 + e^−x), for complex gaps too, without overflow.
         rest = np.log1p(np.exp(np.where(np.real(x) > 0, -x, x)))
         return -self.plateau * self.width * (rest + np.where(np.real(x) > 0, 0, -x))
@@ -108,10 +100,7 @@ class Dugdale(TractionLaw):
 
 @dataclass(frozen=True)
 class CoredLaw(LawAtLength):
-    """A wall's attraction from the equilibrium distance d0 on, and an exponential repulsion in the wall's place.
-
-    σ(d) = σ_wall(x) − σ_wall(0) e^(−x/c), x = d − d0; finite at a gap of zero, and nearer to a wall the shorter c.
-    """
+    """An exponential repulsion in place of a wall at d0, σ(d) = σ_wall(x) − σ_wall(0) e^(−x/c) with x = d − d0."""
 
     diverges = False
     own_lengths = ("range", "core")
@@ -119,15 +108,16 @@ class CoredLaw(LawAtLength):
     range: float
     core: float
 
+    @property
     @abstractmethod
-    def _outside_wall(self, work_of_adhesion: float) -> TractionLaw:
-        """The law with the wall."""
+    def _wall(self) -> TractionLaw:
+        """The law with the wall, Δγ = 1."""
 
     @cached_property
     def _attraction(self) -> TractionLaw:
         """The law with the wall whose Δγ leaves this one's beside the core."""
-        unit = self._outside_wall(1.0)
-        return self._outside_wall(self.work_of_adhesion / (1 - self.core * float(unit.traction(np.array(0.0)))))
+        share = 1 - self.core * float(self._wall.traction(np.array(0.0)))
+        return replace(self._wall, work_of_adhesion=self.work_of_adhesion / share)
 
     @cached_property
     def _repulsion(self) -> float:
@@ -156,17 +146,8 @@ class CoredLaw(LawAtLength):
             x = x - excess / (1 / self.core + self._attraction.stiffness(x) / pressure)
         return self.length + np.minimum(x, 0.0)
 
-    @cached_property
-    def peak_distance(self) -> float:
-        return self._lowest_outside(lambda gap: -self.traction(gap))
-
-    @cached_property
-    def strongest_softening(self) -> float:
-        return -float(self.stiffness(np.array(self._lowest_outside(self.stiffness))))
-
-    def _lowest_outside(self, function):
-        """As :meth:`lowest`, looked for in units of the range."""
-        return self.length + self._attraction.lowest(lambda x: function(self.length + np.asarray(x)))
+    def lowest(self, function):
+        return self.length + self._attraction.lowest(lambda x: function(self.length + x))  # in units of the range
 
 
 @dataclass(frozen=True)
@@ -190,8 +171,13 @@ class ExponentialCore(CoredLaw):
     title = "exponential with a core"
     words = "Attraction that fades exponentially, with an exponential core"
 
-    def _outside_wall(self, work_of_adhesion: float) -> TractionLaw:
-        return Exponential(work_of_adhesion, self.range)
+    @property
+    def _wall(self) -> TractionLaw:
+        return Exponential(1.0, self.range)
+
+    def _past_peak(self, order: int) -> float:
+        """Solve e^(−x/ρ)/ρⁿ = e^(−x/c)/cⁿ: the peak for n = 1, the strongest softening for n = 2."""
+        return order * float(np.log(self.range / self.core)) / (1 / self.core - 1 / self.range)
 
     @property
     def peak_distance(self) -> float:
@@ -200,11 +186,6 @@ class ExponentialCore(CoredLaw):
     @property
     def strongest_softening(self) -> float:
         return -float(self.stiffness(np.array(self.length + self._past_peak(2))))
-
-    def _past_peak(self, order: int) -> float:
-        """Solve e^(−x/ρ)/ρⁿ = e^(−x/c)/cⁿ: the peak for n = 1, the strongest softening for n = 2."""
-        ratio = self.range / self.core
-        return order * float(np.log(ratio)) / (1 / self.core - 1 / self.range)
 
 
 @dataclass(frozen=True)
@@ -229,8 +210,9 @@ class DugdaleCore(CoredLaw):
 
     ramp: float = RAMP
 
-    def _outside_wall(self, work_of_adhesion: float) -> TractionLaw:
-        return Dugdale(work_of_adhesion, self.range, self.ramp)
+    @property
+    def _wall(self) -> TractionLaw:
+        return Dugdale(1.0, self.range, self.ramp)
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,4 @@
-"""Laws of summed Lennard-Jones pairs: the 10-4 law of two layers, the 9-3 law of two half-spaces; laws that only repel.
-
-The first two have the traction σ(d) = P [s^m − s^(m+6)], s = r0/d and r0 the equilibrium distance, from
-
-    φ(d) = −P r0 [s^(m−1)/(m − 1) − s^(m+5)/(m + 5)],        P = Δγ (m − 1)(m + 5) / 6 r0.
-"""
+"""Laws of summed Lennard-Jones pairs, of two layers (10-4) and of two half-spaces (9-3), and laws that only repel."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,7 +12,7 @@ from contact_study.physics.laws.base import LawAtLength, TractionLaw
 
 @dataclass(frozen=True)
 class LennardJones(LawAtLength):
-    """A law of that family; ``length`` is r0.
+    """The family σ(d) = P [s^m − s^(m+6)], s = r0/d with ``length`` r0, P = Δγ(m − 1)(m + 5)/6r0.
 
     Attributes
     ----------
@@ -41,8 +36,7 @@ class LennardJones(LawAtLength):
 
     def _powers(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """s⁶ and s^m."""
-        s3 = s * s * s
-        power = s3
+        power = s3 = s * s * s
         for _ in range(self.exponent - 3):
             power = power * s
         return s3 * s3, power
@@ -64,9 +58,8 @@ class LennardJones(LawAtLength):
     def repulsive_gap(self, traction):
         m = self.exponent
         y = -np.asarray(traction, dtype=float) / self.prefactor
-        # s^(m+6) − s^m = y for s >= 1: 1 + y/6 bounds the root of this convex function from above, and where s⁶ >= 2,
-        # hence s^(m+6) − s^m >= s^(m+6)/2, so does (2y)^(1/(m+6)). Newton descends from there, for any y, in at most
-        # six iterations.
+        # s^(m+6) − s^m = y for s >= 1, convex: 1 + y/6 bounds the root from above and, where s⁶ >= 2, (2y)^(1/(m+6)).
+        # Newton descends from there, for any y, in at most six iterations.
         s = np.minimum(1 + y / 6, np.maximum(2 ** (1 / 6), (2 * y) ** (1 / (m + 6))))
         for _ in range(6):
             s6, power = self._powers(s)
@@ -142,9 +135,7 @@ class LennardJones93(LennardJones):
 
 @dataclass(frozen=True)
 class HardWall(TractionLaw):
-    """A hard wall without adhesion: gap >= 0, pressure >= 0, gap × pressure = 0 (Signorini conditions).
-
-    A constraint, not a potential. Points of positive pressure are in contact.
+    """A hard wall without adhesion: gap >= 0, pressure >= 0, gap × pressure = 0 (Signorini conditions), no potential.
 
     Parameters
     ----------

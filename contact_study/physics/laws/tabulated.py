@@ -1,9 +1,7 @@
-"""A law measured or computed elsewhere, by its traction at a number of gaps.
+"""A law measured or computed elsewhere, by its traction at a number of gaps: monotone between them, of no other peak.
 
-Between the points the traction is monotone and its stiffness continuous (SciPy's ``PchipInterpolator``): no peak is
-higher than the table's. Below the first gap the repulsion continues as the power of the gap that has the value and
-slope there. Beyond the last one tension fades as the exponential through the last two points, whose slope the
-interpolant takes there: its own is zero where they fall steeply. Energy follows by exact integration.
+Below the first gap the repulsion is a power of the gap of the value and slope there. Beyond the last one tension fades
+as the exponential through the last two points, whose slope the interpolant takes: its own is zero where they are steep.
 """
 
 import math

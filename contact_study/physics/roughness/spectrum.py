@@ -37,18 +37,17 @@ class RoughnessSpectrum(ABC):
 
     @abstractmethod
     def moment(self, order: float, lower: float | None = None, upper: _Limit = None) -> np.ndarray:
-        """Moment M_n = ∫ qⁿ C dq between two wavevectors (1/m), by default of all waves, in m^(3−n).
-
-        ``upper`` may be an array; limits outside the spectrum are moved to its ends.
-        """
+        """Moment M_n = ∫ qⁿ C dq between two wavevectors (1/m), moved to the spectrum's ends if beyond (m^(3−n))."""
 
     @abstractmethod
     def weighted_variance(self, weight: _Function, upper: _Limit = None) -> np.ndarray:
         """Height variance 2π ∫ w(q) q C dq below ``upper`` with a weight w, smooth on the scale of an octave."""
 
-    @abstractmethod
     def band_edges(self, count: int) -> np.ndarray:
         """At most ``count`` + 1 increasing wavevectors that divide the whole spectrum well (1/m)."""
+        edges = np.geomspace(*self.limits, count + 1)
+        edges[0], edges[-1] = self.limits
+        return edges
 
     @property
     def mean_square_height(self) -> float:
@@ -146,24 +145,22 @@ class SelfAffineSpectrum(RoughnessSpectrum):
 
     def band_edges(self, count: int) -> np.ndarray:
         """Logarithmically spaced wavevectors, with the roll-off among them."""
-        edges = np.geomspace(self.low, self.cutoff, count + 1)
+        edges = super().band_edges(count)
         edges[np.argmin(np.abs(np.log(edges / self.roll_off)))] = self.roll_off
-        edges[0], edges[-1] = self.low, self.cutoff
+        edges[0], edges[-1] = self.limits
         return edges
 
 
 @dataclass(frozen=True, eq=False)
 class TabulatedSpectrum(RoughnessSpectrum):
-    """C(q) on a table, a power law between neighbours, zero outside.
-
-    Moments are exact for these power laws: a self-affine spectrum needs no more than its corners.
+    """C(q) on a table, a power law between neighbours, zero outside: a self-affine spectrum needs its corners only.
 
     Parameters
     ----------
     wavevectors : array_like, shape (n,)
         q > 0, rising, two at least (1/m).
     density : array_like, shape (n,)
-        C(q) > 0 in the convention of :mod:`contact_study.physics.roughness.spectrum`, h_rms² = 2π ∫ q C dq (m⁴).
+        C(q) > 0 in the convention of h_rms² = 2π ∫ q C dq (m⁴).
 
     Raises
     ------
@@ -230,12 +227,6 @@ class TabulatedSpectrum(RoughnessSpectrum):
         ends = np.concatenate([self.wavevectors, self.band_edges(PIECES)])
         return _integrated_variance(self, self.density_at, weight, upper, ends)
 
-    def band_edges(self, count: int) -> np.ndarray:
-        """Logarithmically spaced wavevectors."""
-        edges = np.geomspace(*self.limits, count + 1)
-        edges[0], edges[-1] = self.limits
-        return edges
-
 
 def _integrated_variance(spectrum, density, weight, upper, ends):
     """Integrate 2π w(q) q C dq to upper limits by Gauss's rule on ln q, in pieces between ends (corners)."""
@@ -263,9 +254,8 @@ def _power_integral(power: float | np.ndarray, a: float, b: float | np.ndarray) 
 class RadialSpectrum(RoughnessSpectrum):
     """Spectrum of one surface: shells of Fourier modes of equal wavevector and the height variance of each.
 
-    A continuous theory cannot use lines as they are. Each shell is therefore spread between the geometric means of
-    its wavevector with its neighbours' (mirrored at both ends), where every moment grows linearly to the exact sum
-    M_n = Σ <h²>_i q_i^(n−1) / 2π of the shells below. So the moments of any order are exact between shells.
+    For continuous theories each shell is spread between the geometric means of its wavevector with its neighbours'
+    (mirrored at both ends): every moment grows linearly to the exact M_n = Σ <h²>_i q_i^(n−1) / 2π of the shells below.
 
     Parameters
     ----------
@@ -294,12 +284,8 @@ class RadialSpectrum(RoughnessSpectrum):
         q = self.wavevectors
         if q.size == 0 or not q[0] > 0 or not np.all(np.diff(q) > 0) or self.variances.shape != q.shape:
             raise ValueError("wavevectors: need at least one, increasing from above zero, with a variance each")
-        wrong = np.flatnonzero(~((self.variances >= 0) & np.isfinite(self.variances)))
-        if wrong.size:
-            first = wrong[0]
-            raise ValueError(
-                f"variances: {self.variances[first]:g} m² at {q[first]:g} 1/m: must be finite, not negative"
-            )
+        for at in np.flatnonzero(~((self.variances >= 0) & np.isfinite(self.variances))):
+            raise ValueError(f"variances: {self.variances[at]:g} m² at {q[at]:g} 1/m: must be finite, not negative")
 
     @cached_property
     def shell_edges(self) -> np.ndarray:
@@ -358,8 +344,8 @@ def radial_spectrum(heights: np.ndarray, grid: Grid) -> RadialSpectrum:
 def spectrum_of(height: np.ndarray, size: float | Sequence[float]) -> RadialSpectrum:
     """Calculate the isotropic power spectral density of a height array.
 
-    The convention is Persson's two-dimensional one, C(q) = (2π)⁻² ∫ <h(x)h(0)> e^(−iq·x) d²x in m⁴, so that
-    <h²> = 2π ∫ q C dq. Without the factor (2π)⁻², as in other conventions, C is 4π² = 39.5 times as large.
+    The convention is Persson's two-dimensional one, <h²> = 2π ∫ q C dq with C in m⁴: without the factor (2π)⁻² in
+    C(q) = (2π)⁻² ∫ <h(x)h(0)> e^(−iq·x) d²x, as in other conventions, it is 4π² = 39.5 times as large.
 
     Parameters
     ----------

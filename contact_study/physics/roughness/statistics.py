@@ -9,8 +9,7 @@ from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.height_maps import preparation
 
-# Ratio of the jump across an edge to the difference of neighbouring lines up to which a map is periodic: scatter leaves
-# rarely more, and a jump of so much is a hundredth of the mean square slope of 400 lines.
+# Ratio of the jump across an edge to the difference of neighbouring lines up to which a map is periodic, by scatter.
 PERIODIC = 2.0
 BANDS_PER_OCTAVE = 8
 # Powers of q in C from 0 to −6; a self-affine surface has H from 0 to 1, noise and filters make others.
@@ -18,8 +17,7 @@ _HURST = np.linspace(-1.0, 2.0, 301)
 _TAIL_POWERS = np.linspace(0.0, 8.0, 33)
 # A self-affine range is nothing below an octave.
 _SHORTEST_RANGE = BANDS_PER_OCTAVE
-# Relative departure of C of a real surface from any law. Without it the thousands of waves of the shortest bands,
-# known to a per cent, would decide alone.
+# Relative departure of C of a real surface from any law, lest thousands of waves of the shortest bands decide alone.
 _DEPARTURE = 0.1
 
 
@@ -86,18 +84,15 @@ class Roughness:
 
 def roughness_of(heights: np.ndarray, grid: Grid, made_by: tuple[float, float] | None = None) -> Roughness:
     """Describe heights (m) on a periodic grid; ``made_by`` are roll-off and cutoff of their self-affine law (1/m)."""
-    power = grid.variances(fourier.transform(heights))
-    q = grid.wavenumber
+    power, q = grid.variances(fourier.transform(heights)), grid.wavenumber
     waves = np.broadcast_to(grid.multiplicity, q.shape)
-    jumps, inside = [], []
+    negligible = 1e-9 * float(np.ptp(heights))  # rounding along an axis without height is no jump
+    jumps, ratios = [], []
     for axis in range(2):
         first, last = np.take(heights, [0, -1], axis=axis).swapaxes(0, axis)
         jumps.append(float(np.sqrt(np.mean((first - last) ** 2))))
-        inside.append(float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2))))
-    # Rounding along an axis without height is no jump.
-    negligible = 1e-9 * float(np.ptp(heights))
-    pairs = zip(jumps, inside, strict=True)
-    ratios = [jump / max(step, negligible) if jump > negligible else 0.0 for jump, step in pairs]
+        inside = max(float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2))), negligible)
+        ratios.append(jumps[-1] / inside if jumps[-1] > negligible else 0.0)
     return Roughness(
         grid,
         float(np.sqrt(power.sum())),
@@ -120,11 +115,14 @@ def roughness_of_sample(heights: np.ndarray, grid: Grid, shortest: float | None 
     whole = roughness_of(heights, grid)
     if whole.edge_ratio <= PERIODIC:
         return whole if shortest is None else roughness_of(preparation.lowpassed(heights, grid, shortest), grid)
+    from scipy.fft import dctn  # slow to import
+
     axes = (np.pi / side * np.arange(n) for side, n in zip(grid.size, grid.shape, strict=True))
     q_y, q_x = np.meshgrid(*axes, indexing="ij", sparse=True)
     q = np.hypot(q_y, q_x)
     kept = q <= (np.inf if shortest is None else 2 * np.pi / shortest * (1 + 1e-9))
-    own, level = (_cosines(part) * kept for part in (heights, preparation.detrended(heights, 1)))
+    images = (dctn(part, norm="ortho") ** 2 / part.size for part in (heights, preparation.detrended(heights, 1)))
+    own, level = (variances * (kept & (q > 0)) for variances in images)
     # One amplitude is four waves of the mirrored map, along an axis two.
     waves = np.where((q_y == 0) | (q_x == 0), 0.5, 1.0)
     return replace(
@@ -135,15 +133,6 @@ def roughness_of_sample(heights: np.ndarray, grid: Grid, shortest: float | None 
         # Longer waves are those of the plane.
         spectrum=_power_spectrum(level, q, waves, grid, 2 * np.pi / min(grid.size)),
     )
-
-
-def _cosines(heights: np.ndarray) -> np.ndarray:
-    """Mean square of each cosine of a map joined to its mirror images; its mean has none."""
-    from scipy.fft import dctn
-
-    variances = dctn(heights, norm="ortho") ** 2 / heights.size
-    variances[0, 0] = 0.0
-    return variances
 
 
 def _power_spectrum(
@@ -174,12 +163,11 @@ def law_through(
 
 
 def self_affine_fit(spectrum: PowerSpectrum, limits: tuple[float, float] | None = None) -> SelfAffineFit | None:
-    """Fit the self-affine law of a spectrum by likelihood, each wave's power being exponentially distributed about C.
+    """Fit the self-affine law of a spectrum by Whittle's likelihood; None for less than an octave (two) or no power.
 
-    Whittle's likelihood; a band counts as no more waves than its C is known by (``_DEPARTURE``), beyond the cutoff C is
-    another power law. Limits (1/m) that are not given are the likeliest, where Schwarz' criterion takes them for real.
-    H and its uncertainty are mean and deviation over all limits, the likelihood widened by its deviance over degrees of
-    freedom. None for less than an octave, of unknown limits two, or no power.
+    A band counts as no more waves than its C is known by (``_DEPARTURE``), beyond the cutoff C is another power law.
+    Limits (1/m) that are not given are the likeliest, where Schwarz' criterion takes them for real. H and its
+    uncertainty are mean and deviation over all limits, the likelihood widened by its deviance over degrees of freedom.
     """
     q, known = spectrum.wavevectors, limits is not None
     octaves = 1 if known else 2

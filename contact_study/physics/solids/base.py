@@ -13,10 +13,9 @@ from contact_study.numerics.grid import Grid
 
 @dataclass(frozen=True)
 class Elasticity(ABC):
-    """Linear response of a block's flat surface to a frictionless normal pressure, wave by wave.
+    """Linear response of a block's flat surface to a normal pressure: p of wavenumber q displaces it by p/K(q).
 
-    A pressure p of wavenumber q displaces the surface by p/K(q), along the pressure. A subclass gives
-    :meth:`stiffness`, and scales its further lengths in :meth:`scaled`.
+    A subclass gives :meth:`stiffness`, and scales its further lengths and stresses in :meth:`scaled`.
 
     Parameters
     ----------
@@ -26,7 +25,7 @@ class Elasticity(ABC):
     Raises
     ------
     ValueError
-        If it is not a positive finite number.
+        If it is not a positive finite number, or no solid has the numbers of a subclass.
 
     Examples
     --------
@@ -74,10 +73,8 @@ class Elasticity(ABC):
 
     def stiffness_on(self, grid: Grid) -> np.ndarray:
         """K of each wavevector of a grid, zero at q = 0, in the layout of ``rfft2`` (Pa/m)."""
-        stiffness_q = np.zeros(grid.spectrum_shape)
-        # The rows of −qy are those of qy.
-        half = grid.shape[0] // 2 + 1
-        q_y, q_x = grid.wavevectors
+        stiffness_q, (q_y, q_x) = np.zeros(grid.spectrum_shape), grid.wavevectors
+        half = grid.shape[0] // 2 + 1  # the rows of −qy are those of qy
         wavenumber = np.sqrt(q_y[:half] ** 2 + q_x**2)
         stiffness_q[:half].reshape(-1)[1:] = self.stiffness(wavenumber.reshape(-1)[1:])
         stiffness_q[half:] = stiffness_q[grid.shape[0] - half : 0 : -1]
@@ -85,8 +82,8 @@ class Elasticity(ABC):
 
     def softest_modulus(self, longest: float, shortest: float) -> float:
         """The least E*(q) = 2 K(q)/q of waves between two lengths (m), that of a homogeneous half-space (Pa)."""
-        octaves = math.log2(max(longest / shortest, 1.0))
-        count = 2 + math.ceil(8 * octaves)  # solids change over an octave at the earliest
+        # Solids change over an octave at the earliest.
+        count = 2 + math.ceil(8 * math.log2(max(longest / shortest, 1.0)))
         q = np.geomspace(2 * np.pi / longest, 2 * np.pi / shortest, count)
         return float(np.min(contact_modulus_of(self.stiffness(q), q)))
 
@@ -124,15 +121,11 @@ class HalfSpace(Elasticity):
 
 @dataclass(frozen=True)
 class Viscoelastic(HalfSpace):
-    """A linear viscoelastic half-space, whose contact modulus relaxes as a sum of exponentials (Prony series).
+    """A half-space whose contact modulus relaxes as a Prony series, E*(t) = E*_∞ + Σ_i E*_i exp(−t/τ_i).
 
-    After a sudden displacement the modulus falls from E*_0 to E*_∞,
-
-        E*(t) = E*_∞ + Σ_i E*_i exp(−t/τ_i),        E*_0 = E*_∞ + Σ_i E*_i,
-
-    a spring beside any number of Maxwell branches. Poisson's ratio is the same at all times, so that all waves relax
-    alike, K(q, t) = E*(t) q/2. A branch is one field: the displacement h_i that its spring still carries,
-    h_i' = u' − h_i/τ_i. :meth:`stiffness` and ``contact_modulus`` are those after all time.
+    A spring beside Maxwell branches of one Poisson's ratio: all waves relax alike, K(q, t) = E*(t) q/2. A branch is one
+    field, the displacement h_i that its spring still carries, h_i' = u' − h_i/τ_i. :meth:`stiffness` and
+    ``contact_modulus`` are those after all time.
 
     Parameters
     ----------
@@ -140,11 +133,6 @@ class Viscoelastic(HalfSpace):
         E*_∞ (Pa).
     branch_moduli, relaxation_times : tuple of float
         E*_i (Pa) and τ_i (s), one for each.
-
-    Raises
-    ------
-    ValueError
-        If a number is not positive, or there are not as many times as moduli.
 
     Examples
     --------
@@ -183,8 +171,7 @@ class Viscoelastic(HalfSpace):
 
 def _check_poissons_ratio(name: str, value: float) -> None:
     """Raise ValueError unless a number can be Poisson's ratio of an isotropic solid."""
-    finite(name, value, "1")
-    if not -1 < value <= 0.5:
+    if not -1 < finite(name, value, "1") <= 0.5:
         raise ValueError(f"{name} = {value:g}: must be above -1 and at most 0.5")
 
 
@@ -192,24 +179,14 @@ def _check_poissons_ratio(name: str, value: float) -> None:
 class Layer(Elasticity):
     """A homogeneous isotropic layer bonded to a rigid base.
 
-    A normal pressure p of wavenumber q, without shear, displaces the upper face of a layer 0 < z < d, whose lower face
-    is held, by 2p/(E* q) times
-
-        S = [(3−4ν) sinh 2qd − 2qd] / [(3−4ν) cosh 2qd + 2(qd)² + 5 − 12ν + 8ν²]:
-
-    the four exponentials e^(±qz), z e^(±qz) that solve the equations of elasticity, under the four conditions of the
-    two faces. Thick layers are half-spaces, S → 1. Thin compressible ones are springs side by side,
-    K → (1−ν) E / [(1+ν)(1−2ν) d]; thin incompressible ones resist flow along the layer, K → 3E*/(4 q² d³).
+    K = E* q / 2S, S = [(3−4ν) sinh 2qd − 2qd] / [(3−4ν) cosh 2qd + 2(qd)² + 5 − 12ν + 8ν²]: e^(±qz), z e^(±qz) under
+    the conditions of a free face without shear and one that is held. Thick layers are half-spaces, S → 1; thin
+    compressible ones springs side by side, K → (1−ν) E / [(1+ν)(1−2ν) d], incompressible ones K → 3E*/(4 q² d³).
 
     Parameters
     ----------
     contact_modulus, poissons_ratio, thickness : float
         E* = E/(1 − ν²) (Pa), ν, above −1 and up to 0.5 (incompressible), and d (m).
-
-    Raises
-    ------
-    ValueError
-        If a number is not possible.
 
     Examples
     --------
@@ -251,9 +228,8 @@ class Layer(Elasticity):
 
 def _sinh_less_argument(y: np.ndarray) -> np.ndarray:
     """(sinh y − y) exp(−y) for y >= 0, without cancellation where y is small."""
-    square = np.minimum(y, 1.0) ** 2
+    square, rest = np.minimum(y, 1.0) ** 2, np.zeros_like(y)
     # y³/3! + y⁵/5! + … + y¹⁷/17!, the rest of which is 1e-16 of it at y = 1.
-    rest = np.zeros_like(square)
     for order in range(17, 3, -2):
         rest = (1 + rest) * square / (order * (order - 1))
     return np.where(y < 1, y**3 / 6 * (1 + rest) * np.exp(-y), 0.5 * (1 - np.exp(-2 * y)) - y * np.exp(-y))
@@ -263,15 +239,9 @@ def _sinh_less_argument(y: np.ndarray) -> np.ndarray:
 class Layered(Elasticity):
     """A homogeneous isotropic layer bonded to a half-space of another material: coatings, oxides, skins.
 
-    A normal pressure p of wavenumber q, without shear, displaces the upper face of a layer 0 < z < d (shear modulus μ,
-    Poisson's ratio ν) on a half-space (μ_b, ν_b) by 2p/(E* q) times
-
-        S = [1 + 4 m qd e^(−2qd) − m n e^(−4qd)] / [1 − (m + n + 4 m (qd)²) e^(−2qd) + m n e^(−4qd)],
-
-        m = (μ/μ_b − 1)/(μ/μ_b + 3 − 4ν),    n = 1 − 4(1 − ν)/[1 + (μ/μ_b)(3 − 4ν_b)],
-
-    E* that of the layer. Short waves feel the layer, S → 1, long ones the base, S → E*/E*_b; on a rigid base it is the
-    bonded layer.
+    K = E*q/2S, S = [1 + 4m x e^(−2x) − mn e^(−4x)]/[1 − (m + n + 4mx²) e^(−2x) + mn e^(−4x)], x = qd; with shear moduli
+    μ, μ_b m = (μ/μ_b − 1)/(μ/μ_b + 3 − 4ν), n = 1 − 4(1 − ν)/[1 + (μ/μ_b)(3 − 4ν_b)]. Short waves feel the layer,
+    S → 1, long ones the base, S → E*/E*_b; on a rigid base it is the bonded layer.
 
     Parameters
     ----------
@@ -279,11 +249,6 @@ class Layered(Elasticity):
         E* = E/(1 − ν²) (Pa), ν, above −1 and up to 0.5, and d (m) of the layer.
     base_modulus, base_poissons_ratio : float
         E*_b, the contact modulus of the half-space (Pa), and ν_b.
-
-    Raises
-    ------
-    ValueError
-        If a number is not possible.
 
     Examples
     --------
@@ -337,9 +302,6 @@ def stiffnesses(modulus: float, ratio: float, axial_modulus: float, axial_ratio:
 
 
 def indentation_modulus(c11: float, c13: float, c33: float, c44: float) -> float:
-    """Calculate E* of a half-space whose normal (3) is the axis of symmetry (Pa).
-
-    E* = 2 √[(C₁₁C₃₃ − C₁₃²)/C₁₁ / (1/C₄₄ + 2/(√(C₁₁C₃₃) + C₁₃))]; isotropic, it is E/(1 − ν²).
-    """
+    """Calculate E* of a half-space whose normal (3) is the axis of symmetry (Pa); isotropic, it is E/(1 − ν²)."""
     along = 1 / c44 + 2 / (np.sqrt(c11 * c33) + c13)
     return 2 * float(np.sqrt((c11 * c33 - c13**2) / c11 / along))

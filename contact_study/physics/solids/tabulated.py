@@ -25,14 +25,9 @@ class Measured(Elasticity):
     contact_modulus : float
         E* to quote, and the unit of stresses (Pa).
     wavenumbers : array_like, shape (points,)
-        Increasing (1/m).
+        Increasing and positive (1/m).
     stiffnesses : array_like, shape (points,)
         K there (Pa/m), positive.
-
-    Raises
-    ------
-    ValueError
-        If the table is no stiffness.
 
     Examples
     --------
@@ -71,8 +66,9 @@ class Measured(Elasticity):
 
     def scaled(self, length: float, stress: float) -> Self:
         q, stiffness = self._table
-        scaled = super().scaled(length, stress)
-        return replace(scaled, wavenumbers=q * length, stiffnesses=stiffness * (length / stress))
+        return replace(
+            super().scaled(length, stress), wavenumbers=q * length, stiffnesses=stiffness * (length / stress)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +83,6 @@ class Tabulated(Elasticity):
         Whose wavevectors they are.
     table : numpy.ndarray, shape grid.spectrum_shape
         K in the layout of ``rfft2`` (Pa/m), positive; the first entry, that of the mean, is not looked at.
-
-    Raises
-    ------
-    ValueError
-        If the table does not fit the grid or holds what is no stiffness.
 
     Examples
     --------
@@ -133,10 +124,7 @@ class Tabulated(Elasticity):
         return 0.5 * q * np.interp(q, *self._by_wavenumber)
 
     def stiffness_on(self, grid: Grid) -> np.ndarray:
-        """The table itself, or of a coarser grid the part that it holds.
-
-        Raises ValueError if the grid has waves that the table has not.
-        """
+        """The table itself, or of a coarser grid the part that it holds; ValueError if the grid has other waves."""
         fits = np.allclose(grid.size, self.grid.size, rtol=1e-9, atol=0)
         if not fits or grid.shape[0] > self.grid.shape[0] or grid.shape[1] > self.grid.shape[1]:
             raise ValueError(

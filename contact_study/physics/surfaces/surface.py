@@ -1,25 +1,26 @@
 """The rigid surface of a case: one height function, which each model samples on its own points, and its scales."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
-from contact_study.physics.roughness.spectrum import (
-    RadialSpectrum,
-    RoughnessSpectrum,
-    SelfAffineSpectrum,
-    radial_spectrum,
-)
-from contact_study.physics.roughness.statistics import Roughness, roughness_of
+from contact_study.physics.height_maps import preparation
+from contact_study.physics.height_maps.height_map import HeightMap
+from contact_study.physics.roughness import spectrum as spectra
+from contact_study.physics.roughness.spectrum import RadialSpectrum, RoughnessSpectrum, SelfAffineSpectrum
+from contact_study.physics.roughness.statistics import Roughness, roughness_of, roughness_of_sample
 from contact_study.physics.solids import Elasticity
 
 # Mean number of places per surface that stand higher, or lie lower, than the peak-to-valley height allows for.
 _RARE = 0.01
+_DEGREES = {"mean": 0, "tilt": 1, "curvature": 2}
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Surface(ABC):
 
     def measured_spectrum(self) -> RadialSpectrum:
         """Radial spectrum of this very surface."""
-        return radial_spectrum(self.sampled, self.grid)
+        return spectra.radial_spectrum(self.sampled, self.grid)
 
 
 @dataclass(frozen=True)
@@ -71,10 +72,15 @@ class BandLimitedSurface(Surface):
 
     coefficients: np.ndarray  # h_q (m) in the layout of ``rfft2`` on the native shape
     native_shape: tuple[int, int]  # the smallest grid for every mode
+    of_map: Roughness | None = None  # of the map that it goes through
 
     def heights(self, shape: tuple[int, int]) -> np.ndarray:
         coefficients = fourier.resize_spectrum(self.coefficients, self.native_shape, shape)
         return fourier.synthesise(coefficients, shape)
+
+    @property
+    def roughness(self) -> Roughness:
+        return self.of_map or super().roughness
 
 
 @dataclass(frozen=True)
@@ -177,17 +183,14 @@ class SurfaceScales:
     @property
     def rms_curvature(self) -> float:
         """Root mean square of the mean curvature, half of the rms Laplacian (1/m)."""
-        if self.apex_curvature is not None:
-            return self.apex_curvature
-        if self.measured is not None:
-            return self.measured.sample.rms_curvature
-        return 0.0 if self.spectrum is None else self.spectrum.rms_laplacian / 2
+        if self.apex_curvature is not None or self.spectrum is None:
+            return self.apex_curvature or 0.0
+        return self.measured.sample.rms_curvature if self.measured else self.spectrum.rms_laplacian / 2
 
     def full_contact_stress(self, solid: Elasticity) -> float:
         """Deviation of the stress that a solid feels in full contact, of a half-space E* ξ / 2 (Pa)."""
-        if self.spectrum is None:
-            return 0.0
-        return float(np.sqrt(self.spectrum.full_contact_stress_variance(solid.stiffness)))
+        waves = self.spectrum
+        return float(np.sqrt(waves.full_contact_stress_variance(solid.stiffness))) if waves else 0.0
 
 
 def spectrum_of_waves(wavenumber: np.ndarray, variance: np.ndarray) -> RadialSpectrum | None:
@@ -196,3 +199,83 @@ def spectrum_of_waves(wavenumber: np.ndarray, variance: np.ndarray) -> RadialSpe
     heights, slopes = np.bincount(band, variance), np.bincount(band, wavenumber**2 * variance)
     present = heights > 0
     return RadialSpectrum(np.sqrt(slopes[present] / heights[present]), heights[present]) if present.any() else None
+
+
+@dataclass(frozen=True)
+class MeasuredMap:
+    """A prepared map."""
+
+    heights: np.ndarray  # about their mean (m)
+    grid: Grid
+    unit: str  # of the heights, and its source
+    roughness: Roughness  # of the map repeated periodically
+
+    def surface(self, shape: tuple[int, int] | None) -> BandLimitedSurface:
+        """Make the trigonometric polynomial through the map, on the map's grid or a continuum grid of a shape."""
+        grid, coefficients = self.grid, fourier.transform(self.heights)
+        return BandLimitedSurface(grid.size, shape or grid.shape, None, coefficients, grid.shape, self.roughness)
+
+    def scales(self, shape: tuple[int, int] | None, lowpass: float | None) -> SurfaceScales:
+        """Calculate the scales on a continuum grid of a shape; ``lowpass`` is the shortest wave kept (m)."""
+        grid, own = self.grid, self.roughness
+        coefficients = fourier.transform(self.heights)
+        lost = None
+        if shape is not None and (shape[0] < grid.shape[0] or shape[1] < grid.shape[1]):
+            coarser = Grid(shape, grid.size)
+            power = coarser.variances(fourier.resize_spectrum(coefficients, grid.shape, shape))
+            lost = float(np.sqrt(power.sum())), float(np.sqrt(np.sum(coarser.wavenumber**2 * power)))
+        spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], grid.variances(coefficients).reshape(-1)[1:])
+        height, shortest = float(np.ptp(self.heights)), max(2 * max(grid.spacing), lowpass or 0.0)
+        scales = grid.size, shape or grid.shape, own.rms_height, own.rms_slope, height, shortest, spectrum, lost
+        return SurfaceScales(*scales, measured=own, unit=self.unit)
+
+
+def prepared_map(path: Path, whole: HeightMap, keys: Any) -> MeasuredMap:
+    """Crop, detrend, fill and join the edges of a map of a file by a study's keys; InputError if it does not fit."""
+    found = whole if keys.crop is None else _cropped(path, whole, keys.crop)
+    heights, own, size = found.heights, found.grid, found.size
+    missing = float(np.mean(np.isnan(heights)))
+    if missing and keys.fill == "none":
+        row, column = np.argwhere(np.isnan(heights))[0]
+        raise InputError(
+            f"surface.path: {100 * missing:.2g} % of the heights in {path} are missing, the first at row {row}, "
+            f'column {column}; surface.fill = "harmonic" fills them, surface.crop leaves them out'
+        )
+    if missing == 1:
+        raise InputError(f"surface.crop: all heights of {path} in it are missing")
+    if keys.detrend != "mean":  # the mean is taken at the end, and what fills holes follows any constant
+        heights = preparation.detrended(heights, _DEGREES[keys.detrend])
+    alone = heights = preparation.filled(heights, own.spacing)
+    if keys.edges == "mirror":
+        heights, size = preparation.mirrored(heights), (2 * size[0], 2 * size[1])
+    elif keys.edges == "window":
+        heights = preparation.windowed(heights, keys.window_share)
+    if keys.resample is not None:
+        heights = fourier.interpolate(heights, keys.resample)
+    grid = Grid((heights.shape[0], heights.shape[1]), size)
+    if keys.lowpass is not None:
+        if keys.lowpass > min(size) / 2:
+            raise InputError(
+                f"surface.lowpass = {keys.lowpass:g} m: leaves less than two waves on a side of {min(size):g} m"
+            )
+        heights = preparation.lowpassed(heights, grid, keys.lowpass)
+    heights = heights - heights.mean()
+    heights.setflags(write=False)  # for all cases and models
+    coarser = 2 * max(grid.spacing) if max(grid.spacing) > max(own.spacing) * (1 + 1e-9) else None
+    sample = roughness_of_sample(alone, own, keys.lowpass or coarser)
+    roughness = replace(roughness_of(heights, grid), alone=sample, filled=missing)
+    return MeasuredMap(heights, grid, found.unit, roughness)
+
+
+def _cropped(path: Path, found: HeightMap, crop: Any) -> HeightMap:
+    grid, parts, size = found.grid, [], []
+    for axis, (low, high), count, step in zip("yx", crop, grid.shape, grid.spacing, strict=True):
+        # A point on a limit is meant, whatever the rounding of its unit.
+        first, last = (int(np.ceil(limit / step - 1e-6)) for limit in (low, high))
+        if last > count:
+            raise InputError(f"surface.crop: {axis} = {high:g} m lies beyond {path}, which ends at {count * step:g} m")
+        if last - first < 4:
+            raise InputError(f"surface.crop: holds {last - first} points of {path} along {axis}; at least 4 are needed")
+        parts.append(slice(first, last))
+        size.append((last - first) * step)
+    return HeightMap(found.heights[parts[0], parts[1]], (size[0], size[1]), found.unit)

@@ -1,7 +1,7 @@
 """The section ``[surface]`` of a study file: the keys of each kind, its heights and its scales."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import ClassVar
@@ -11,15 +11,16 @@ import numpy as np
 from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, TabulatedSpectrum
-from contact_study.physics.surfaces.measured import MapPreparation, MeasuredMap, MeasuredSurface
 from contact_study.physics.surfaces.surface import (
     BandLimitedSurface,
+    MeasuredMap,
     Paraboloid,
     Surface,
     SurfaceScales,
     gaussian_peak_to_valley,
     gaussian_surface,
     paraboloid_waves,
+    prepared_map,
     spectrum_of_waves,
 )
 from contact_study.study.schema.keys import (
@@ -217,7 +218,7 @@ class MapFile(SurfaceSection):
     def cell(self, directory: Path) -> tuple[float, float]:
         return self.stated_cell or self.measured(directory).grid.size
 
-    def realise(self, directory: Path) -> MeasuredSurface:
+    def realise(self, directory: Path) -> Surface:
         return self.measured(directory).surface(self.shape)
 
     def scales(self, directory: Path) -> SurfaceScales:
@@ -234,8 +235,7 @@ class MapFile(SurfaceSection):
 def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> MeasuredMap:
     """Read and prepare a map once for the realisation and the scales; ``state`` identifies the file's content."""
     whole = read_height_map(path, section.height_unit, section.size, section.channel, section.lateral_unit)
-    how = MapPreparation(**{field.name: getattr(section, field.name) for field in fields(MapPreparation)})
-    return how.prepare(path, whole)
+    return prepared_map(path, whole, section)
 
 
 @dataclass(frozen=True, kw_only=True)
