@@ -1,4 +1,4 @@
-"""Results of the atoms' solvers: an equilibrium of the bottom layer, and a solution of the contact under load."""
+"""State of the atoms in contact under a load, and how its solve ended."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -37,46 +37,7 @@ class Outcome(Enum):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class _Result:
-    """Fields and properties that both kinds of results share."""
-
-    displacement: np.ndarray
-    residual: float
-    outcome: Outcome
-    iterations: int
-    force_evaluations: int
-    fft_pairs: float
-    elastic_energy: float
-    interaction_energy: float
-
-    @property
-    def converged(self) -> bool:
-        """Return whether the solve found an equilibrium within the tolerance, or that none exists."""
-        return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
-
-    @property
-    def detached(self) -> bool:
-        """Return whether the surfaces are apart."""
-        return self.outcome is Outcome.DETACHED
-
-    @property
-    def message(self) -> str:
-        """End of the solve, in words."""
-        return self.outcome.value
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Equilibrium(_Result):
-    """A state of the bottom layer; fields as in :class:`Solution`, energies in J.
-
-    ``force`` is that of the interface on each atom, shape (3, ny, nx) (N).
-    """
-
-    force: np.ndarray
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Solution(_Result):
+class Solution:
     """A state of the contact at one load; solutions compare by identity.
 
     Parameters
@@ -116,6 +77,14 @@ class Solution(_Result):
     (True, 1.0)
     """
 
+    displacement: np.ndarray
+    residual: float
+    outcome: Outcome
+    iterations: int
+    force_evaluations: int
+    fft_pairs: float
+    elastic_energy: float
+    interaction_energy: float
     state: np.ndarray
     gap: np.ndarray
     pressure: np.ndarray
@@ -128,6 +97,21 @@ class Solution(_Result):
 
     def __repr__(self) -> str:
         return in_two_lines(self)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the solve found an equilibrium within the tolerance, or that none exists."""
+        return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
+
+    @property
+    def detached(self) -> bool:
+        """Whether the surfaces are apart."""
+        return self.outcome is Outcome.DETACHED
+
+    @property
+    def message(self) -> str:
+        """End of the solve, in words."""
+        return self.outcome.value
 
     @property
     def relative_contact_area(self) -> float:

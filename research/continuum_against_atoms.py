@@ -15,6 +15,7 @@ import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -22,7 +23,6 @@ import xarray as xr
 import md_reference.study.model
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.solution import Outcome as ContinuumOutcome
-from bem_adhesion.solution import Solution
 from contact_study.campaign.store import files
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import quantity
@@ -34,9 +34,8 @@ from contact_study.physics.surfaces.surface import Surface
 from contact_study.study.case import Case, realise
 from md_reference.block.condensed import SurfaceStiffness
 from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.solution import Equilibrium
-from md_reference.solution import Outcome as AtomisticOutcome
-from md_reference.statics.newton import EquilibriumSolver
+from md_reference.statics import newton
+from md_reference.statics.energy import BlockEnergy
 from md_reference.study.system import build_contact
 from research.two_starts import case_of
 from scripts.harness import STUDY, Option, head, program, row
@@ -187,13 +186,6 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
             heights, grid, solid, law, tolerance=given.tolerance, max_iterations=given.max_iterations
         )
 
-    def minimiser(block: SurfaceStiffness, interaction: LennardJonesInterface) -> EquilibriumSolver:
-        given = case.solver
-        scale = case.material.contact_modulus
-        return EquilibriumSolver(
-            block, interaction, scale, tolerance=given.tolerance, max_iterations=given.max_iterations
-        )
-
     smeared, tilted = (
         SmearedLayers(adhesion, heights, stiffness.area_per_atom, cosine)
         for cosine in (np.ones(case.lattice.atoms), cosine_of_tilt(heights, grid))
@@ -203,10 +195,8 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
     shown = HalfSpace(modulus)
     continua = [continuum(shown, case.law), continuum(shown, adhesion), continuum(lattice, adhesion)]
     minimisers = [
-        minimiser(railed, smeared),
-        minimiser(railed, tilted),
-        minimiser(railed, OnRails(pairs)),
-        minimiser(stiffness, pairs),
+        BlockEnergy(block, interaction, case.material.contact_modulus, False)
+        for block, interaction in ((railed, smeared), (railed, tilted), (railed, OnRails(pairs)), (stiffness, pairs))
     ]
     found = []
     displacement = first.separated()
@@ -215,24 +205,16 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
         displacement = start.displacement
         if start.outcome is ContinuumOutcome.DETACHED:
             raise InputError(f"--pressures: {pressure:g} Pa pulls the continuum off; give a state in contact")
-        states = [_of_continuum(start, case)]
-        states += [_of_continuum(other.step(displacement, pressure), case) for other in continua]
+        limits = case.solver.tolerance, case.solver.max_iterations
+        solutions = [start, *(other.step(displacement, pressure) for other in continua)]
         above = contact.predicted(start.gap)
-        for solver in minimisers:
-            states.append(_of_atoms(solver.interaction, solver.solve(above, pressure), case))
-        found.append(states)
+        solutions += [newton.solve(energy, above, pressure, *limits) for energy in minimisers]
+        found.append([_state(solution, case) for solution in solutions])
     return found
 
 
-def _of_continuum(solution: Solution, case: Case) -> tuple[float, float, bool]:
-    return _state(solution.gap, solution.outcome is ContinuumOutcome.CONVERGED, case)
-
-
-def _of_atoms(interaction: LennardJonesInterface, found: Equilibrium, case: Case) -> tuple[float, float, bool]:
-    return _state(interaction.gap(found.displacement), found.outcome is AtomisticOutcome.CONVERGED, case)
-
-
-def _state(gap: np.ndarray, converged: bool, case: Case) -> tuple[float, float, bool]:
+def _state(solution: Any, case: Case) -> tuple[float, float, bool]:
+    gap, converged = solution.gap, solution.converged and not solution.detached
     return float(np.mean(gap < case.contact_distance)), float(np.mean(gap)) - case.law.length, converged
 
 

@@ -69,9 +69,7 @@ def _stack(lower, upper, out):
     inverse = ((i_xx, i_xy, i_xz), (i_xy, i_yy, i_yz), (i_xz, i_yz, i_zz))
     for r in range(3):
         for c in range(3):
-            to_a = 0.0
-            to_b = 0.0
-            to_d = 0.0
+            to_a = to_b = to_d = 0.0
             for k in range(3):
                 for m in range(3):
                     to_a += lower[1, r, k] * inverse[k][m] * lower[1, c, m]
@@ -124,11 +122,9 @@ def _bloch(element, phase_y, phase_x, slab):
 def _condense(element, phase_y, phase_x, layers, coefficients):
     """Fill coefficients[6, n] with S of ``layers`` cells under a clamped plane, for n pairs of Bloch phases."""
     # Slabs of 2^bit layers in ``powers``, what is stacked so far in ``stacked``, two buffers each.
-    powers = np.empty((2, 3, 3, 3))
-    stacked = np.empty((2, 3, 3, 3))
+    powers, stacked = np.empty((2, 3, 3, 3)), np.empty((2, 3, 3, 3))
     for n in range(phase_y.size):
-        power = 0
-        current = -1
+        power, current = 0, -1
         _bloch(element, phase_y[n], phase_x[n], powers[0])
         remaining = layers
         while True:
@@ -146,19 +142,6 @@ def _condense(element, phase_y, phase_x, layers, coefficients):
             power = 1 - power
         for c in range(6):
             coefficients[c, n] = stacked[current, 0, _ROWS[c], _COLUMNS[c]]
-
-
-def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, layers: int) -> np.ndarray:
-    """Return S(q) of a block of ``layers`` cells under a clamped plane, shape (6, *phase_y.shape) (N/m).
-
-    ``element`` is the stiffness of one cell of any harmonic model of cubic symmetry, the phases are q_y a and q_x a.
-    """
-    if layers < 1:
-        raise ValueError(f"atomistic.layers: a block needs at least one layer of cells, got {layers}")
-    phase_y, phase_x = np.broadcast_arrays(np.asarray(phase_y, dtype=float), np.asarray(phase_x, dtype=float))
-    coefficients = np.empty((6, phase_y.size))
-    _condense(np.ascontiguousarray(element), phase_y.ravel(), phase_x.ravel(), layers, coefficients)
-    return coefficients.reshape(6, *phase_y.shape)
 
 
 @dataclass(frozen=True)
@@ -192,12 +175,18 @@ class SurfaceStiffness:
 def surface_stiffness(
     element: np.ndarray, shape: tuple[int, int], lattice_constant: float, layers: int
 ) -> SurfaceStiffness:
-    """Return S(q) of a block of ``shape`` (y, x) atoms per layer and ``layers`` cells thick."""
+    """Return S(q) of a block of ``shape`` (y, x) atoms per layer and ``layers`` cells under a clamped plane.
+
+    ``element`` is the stiffness of one cell of any harmonic model of cubic symmetry, shape (24, 24) (N/m).
+    """
+    if layers < 1:
+        raise ValueError(f"atomistic.layers: a block needs at least one layer of cells, got {layers}")
     grid = Grid(shape, (shape[0] * lattice_constant, shape[1] * lattice_constant))
     # Phases from integers: the Nyquist phase is then exactly π and the matrix there real to rounding.
-    phase_y = 2 * np.pi * np.fft.fftfreq(shape[0])[:, None]
-    phase_x = 2 * np.pi * np.fft.rfftfreq(shape[1])[None, :]
-    return SurfaceStiffness(grid, lattice_constant, condense(element, phase_y, phase_x, layers))
+    phase_y, phase_x = np.meshgrid(np.fft.fftfreq(shape[0]), np.fft.rfftfreq(shape[1]), indexing="ij")
+    coefficients = np.empty((6, *phase_y.shape))
+    _condense(element, 2 * np.pi * phase_y.ravel(), 2 * np.pi * phase_x.ravel(), layers, coefficients.reshape(6, -1))
+    return SurfaceStiffness(grid, lattice_constant, coefficients)
 
 
 def effective_contact_modulus(stiffness: SurfaceStiffness, heights: np.ndarray) -> float:

@@ -110,16 +110,12 @@ def _spring(lines, start, k, to_k, shift, columns, r_x, r_y, r_z, stiffness, pul
     to_x, to_y, to_z = lines[0, to_k, low:high], lines[1, to_k, low:high], lines[2, to_k, low:high]
     per_square = 1.0 / (r_x * r_x + r_y * r_y + r_z * r_z)
     for i in range(np.uint64(x.size)):
-        d_x = to_x[i] - x[i]
-        d_y = to_y[i] - y[i]
-        d_z = to_z[i] - z[i]
+        d_x, d_y, d_z = to_x[i] - x[i], to_y[i] - y[i], to_z[i] - z[i]
         # Of the length s in units of that at rest: s² − 1 without the cancellation of the two, and (s − 1)/s.
         grown = per_square * (2.0 * (r_x * d_x + r_y * d_y + r_z * d_z) + (d_x * d_x + d_y * d_y + d_z * d_z))
         square = 1.0 + grown
         tension = stiffness * grown / (square + np.sqrt(square))
-        f_x[i] = tension * (r_x + d_x)
-        f_y[i] = tension * (r_y + d_y)
-        f_z[i] = tension * (r_z + d_z)
+        f_x[i], f_y[i], f_z[i] = tension * (r_x + d_x), tension * (r_y + d_y), tension * (r_z + d_z)
 
 
 @row_kernel
@@ -182,9 +178,7 @@ def _stresses(gradient, strength):
     """Turn gradients G into strength (det F − 1) ∂det F/∂F, F = 1 + G, in place, beside det F − 1."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz, growth = gradient
     for i in range(np.uint64(xx.size)):
-        f_xx = 1.0 + xx[i]
-        f_yy = 1.0 + yy[i]
-        f_zz = 1.0 + zz[i]
+        f_xx, f_yy, f_zz = 1.0 + xx[i], 1.0 + yy[i], 1.0 + zz[i]
         c_xx = f_yy * f_zz - yz[i] * zy[i]
         c_xy = yz[i] * zx[i] - yx[i] * f_zz
         c_xz = yx[i] * zy[i] - f_yy * zx[i]
@@ -198,15 +192,9 @@ def _stresses(gradient, strength):
         grown = xx[i] * c_xx + (yy[i] * f_zz + zz[i] - yz[i] * zy[i]) + xy[i] * c_xy + xz[i] * c_xz
         growth[i] = grown
         g = strength * grown
-        xx[i] = g * c_xx
-        xy[i] = g * c_xy
-        xz[i] = g * c_xz
-        yx[i] = g * c_yx
-        yy[i] = g * c_yy
-        yz[i] = g * c_yz
-        zx[i] = g * c_zx
-        zy[i] = g * c_zy
-        zz[i] = g * c_zz
+        xx[i], xy[i], xz[i] = g * c_xx, g * c_xy, g * c_xz
+        yx[i], yy[i], yz[i] = g * c_yx, g * c_yy, g * c_yz
+        zx[i], zy[i], zz[i] = g * c_zx, g * c_zy, g * c_zz
 
 
 @row_kernel

@@ -34,8 +34,7 @@ def _add_plane(u, k, width, start, below, dilatation):
     x, y, z = u[0, k], u[1, k], u[2, k]
     for q in range(np.uint64(dilatation.size)):
         i = start + q
-        e = i + np.uint64(1)
-        n = i + width
+        e, n = i + np.uint64(1), i + width
         ne = n + np.uint64(1)
         within = ((x[e] - x[i]) + (x[ne] - x[n])) + ((y[n] - y[i]) + (y[ne] - y[e]))
         height = (z[i] + z[e]) + (z[n] + z[ne])
@@ -61,13 +60,10 @@ def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, for
     """
     f_x, f_y = force[0, plane, low:high].reshape(-1), force[1, plane, low:high].reshape(-1)
     f_z = force[2, plane, low:high].reshape(-1)
-    planes = nodes.shape[1]
-    width = np.uint64(nodes.shape[3])
-    one = np.uint64(1)
+    planes, width, one = nodes.shape[1], np.uint64(nodes.shape[3]), np.uint64(1)
     begin = np.uint64(first) * width
     u = nodes.reshape(3, planes, -1)
-    under = dilatation[(k + 1) & 1]
-    over = dilatation[k & 1]
+    under, over = dilatation[(k + 1) & 1], dilatation[k & 1]
     if k < planes - 1:
         _add_plane(u, k + 1, width, begin, below, over)
     else:
@@ -76,14 +72,12 @@ def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, for
         under[:] = 0.0
     # Springs within a face of the slab belong to one cell instead of two.
     share = 1.0 if 0 < k < planes - 1 else 0.5
-    has_over = 1.0 if k < planes - 1 else 0.0
-    has_under = 1.0 if k > 0 else 0.0
+    has_over, has_under = np.float64(k < planes - 1), np.float64(k > 0)
     edge_in, edge_o, edge_u = share * edge, has_over * edge, has_under * edge
     diagonal_in, diagonal_o, diagonal_u = share * diagonal, has_over * diagonal, has_under * diagonal
     own_x = 2.0 * edge_in + 4.0 * diagonal_in + 2.0 * (diagonal_o + diagonal_u)
     own_z = edge_o + edge_u + 4.0 * (diagonal_o + diagonal_u)
-    k_o = k + 1 if k < planes - 1 else k
-    k_u = k - 1 if k > 0 else k
+    k_o, k_u = min(k + 1, planes - 1), max(k - 1, 0)
     x_c, x_o, x_u = u[0, k], u[0, k_o], u[0, k_u]
     y_c, y_o, y_u = u[1, k], u[1, k_o], u[1, k_u]
     z_c, z_o, z_u = u[2, k], u[2, k_o], u[2, k_u]
@@ -152,8 +146,7 @@ def prolong(coarse, fine, first, end):
             for i in range(one, np.uint64(here.size - 1)):
                 e = i + one
                 west, east = 2 * i - one, 2 * i
-                even[west] = here[i]
-                even[east] = 0.5 * (here[i] + here[e])
+                even[west], even[east] = here[i], 0.5 * (here[i] + here[e])
                 odd[west] = 0.5 * (here[i] + next_one[i])
                 odd[east] = 0.25 * ((here[i] + here[e]) + (next_one[i] + next_one[e]))
 
@@ -161,13 +154,10 @@ def prolong(coarse, fine, first, end):
 @row_kernel
 def restrict(fine, coarse, first, end):
     """Add the transpose of :func:`prolong` to the coarse plane."""
-    top = fine.shape[1] - 1
-    rows = fine.shape[2] - 2
-    one = np.uint64(1)
+    top, rows, one = fine.shape[1] - 1, fine.shape[2] - 2, np.uint64(1)
     for c in range(3):
         for j in range(first + 1, end + 1):
-            here = fine[c, top, 2 * j - 1]
-            north = fine[c, top, 2 * j]
+            here, north = fine[c, top, 2 * j - 1], fine[c, top, 2 * j]
             south = fine[c, top, 2 * j - 2 if j > 1 else rows]
             to = coarse[c, 0, j]
             last = np.uint64(here.size - 2)
@@ -175,8 +165,7 @@ def restrict(fine, coarse, first, end):
             to[1] += 0.25 * ((north[last] + north[2]) + (south[last] + south[2]))
             for i in range(np.uint64(2), np.uint64(to.size - 1)):
                 m = 2 * i - one
-                w = m - one
-                e = m + one
+                w, e = m - one, m + one
                 sides = (here[w] + here[e]) + (north[m] + south[m])
                 corners = (north[w] + north[e]) + (south[w] + south[e])
                 to[i] += here[m] + (0.5 * sides + 0.25 * corners)

@@ -56,8 +56,7 @@ def move_plane(
     """
     gain = action.kick * inverse_mass
     spread = np.sqrt(action.noise * inverse_mass)
-    kept = action.kept
-    half = action.half
+    kept, half = action.kept, action.half
     rows, columns = velocity.shape[2:]
     one = np.uint64(1)
     inside = np.uint64(columns - 1)
@@ -77,18 +76,14 @@ def move_plane(
                 after_x = kept * before_x + spread * _three_point(bits)
                 after_y = kept * before_y + spread * _three_point(bits >> np.uint64(21))
                 after_z = kept * before_z + action.wind + spread * _three_point(bits >> np.uint64(42))
-                v_x[i] = after_x
-                v_y[i] = after_y
-                v_z[i] = after_z
+                v_x[i], v_y[i], v_z[i] = after_x, after_y, after_z
                 m_x[i] = u_x[i] + half * (before_x + after_x)
                 m_y[i] = u_y[i] + half * (before_y + after_y)
                 m_z[i] = u_z[i] + half * (before_z + after_z)
         else:
             for c in range(3):
                 wind = action.wind if c == 2 else 0.0
-                u = displacement[c, k, j]
-                m = moved[c, k, j]
-                v = velocity[c, k, j]
+                u, m, v = displacement[c, k, j], moved[c, k, j], velocity[c, k, j]
                 f = force[c, force_plane, row]
                 for i in range(one, inside):
                     before = v[i] + gain * f[i]

@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 from numba import njit
-from scipy import optimize
+from scipy import ndimage, optimize
 
 from contact_study.physics.lattice import Lattice
 from md_reference.interface.substrate import Substrate, sample_substrate
@@ -60,14 +60,14 @@ class LennardJonesInterface:
         # Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N).
         self.force_prefactor = 8 * math.pi * well_depth * length / math.prod(substrate.spacing)
         reach_y, reach_x = (math.ceil(cutoff * length / b) + 1 for b in substrate.spacing)
-        margin = reach_y, reach_x
+        highest = ndimage.maximum_filter(substrate.heights, (2 * reach_y + 1, 2 * reach_x + 1), mode="wrap")
         self._geometry = (
             1 / length,
             (spacing[0] / length, spacing[1] / length),
             (substrate.spacing[0] / length, substrate.spacing[1] / length),
-            substrate.padded(margin) / length,
-            margin,
-            substrate.highest_within(margin) / length,
+            np.pad(substrate.heights, [(reach_y, reach_y), (reach_x, reach_x)], mode="wrap") / length,
+            (reach_y, reach_x),
+            highest / length,
             4 * well_depth,
             self.cutoff,
         )
@@ -100,7 +100,7 @@ class LennardJonesInterface:
         return not self._row_inside.any()
 
     def gap(self, displacement: np.ndarray) -> np.ndarray:
-        """Return each atom's height above the surface (m), shape (ny, nx)."""
+        """Return the first of :meth:`gap_and_cosine`."""
         return self.gap_and_cosine(displacement)[0]
 
     def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -206,8 +206,7 @@ def _lennard_jones(displacement, due, geometry, force, with_hessian, hessian, en
     columns = displacement.shape[2]
     site_rows, site_columns = highest.shape
     b_y, b_x = spacing
-    per_y = 1.0 / b_y
-    per_x = 1.0 / b_x
+    per_y, per_x = 1.0 / b_y, 1.0 / b_x
     cutoff2 = cutoff * cutoff
     start = _SWITCH_START**2 * cutoff2
     slope = 1.0 / (cutoff2 - start)
@@ -216,12 +215,8 @@ def _lennard_jones(displacement, due, geometry, force, with_hessian, hessian, en
     longest_row = 2 * int(cutoff * per_x) + 10
     capacity = most_rows * longest_row + 16
     ladder = b_x * np.arange(longest_row)
-    row_y = np.empty(most_rows)
-    row_first = np.empty(most_rows)
-    row_end = np.empty(most_rows)
-    delta_x = np.empty(capacity)
-    delta_y = np.empty(capacity)
-    delta_z = np.empty(capacity)
+    row_y, row_first, row_end = np.empty(most_rows), np.empty(most_rows), np.empty(most_rows)
+    delta_x, delta_y, delta_z = np.empty(capacity), np.empty(capacity), np.empty(capacity)
     to_force = strength * scale
     to_hessian = to_force * scale
     far = 1e9 * (site_rows + site_columns)

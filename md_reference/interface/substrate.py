@@ -31,17 +31,6 @@ class Substrate:
     def shape(self) -> tuple[int, int]:
         return self.heights.shape[0], self.heights.shape[1]
 
-    def padded(self, width: tuple[int, int]) -> np.ndarray:
-        """Return the heights, continued periodically by ``width`` sites on every side (m)."""
-        return np.pad(self.heights, [(width[0], width[0]), (width[1], width[1])], mode="wrap")
-
-    def highest_within(self, reach: tuple[int, int]) -> np.ndarray:
-        """Return the largest height within ``reach`` sites along each axis of every site, shape (my, mx) (m)."""
-        highest = self.padded(reach)
-        for axis in range(2):
-            highest = ndimage.maximum_filter1d(highest, 2 * reach[axis] + 1, axis=axis, mode="nearest")
-        return highest[reach[0] : reach[0] + self.shape[0], reach[1] : reach[1] + self.shape[1]].copy()
-
     @cached_property
     def _spline(self) -> np.ndarray:
         """Coefficients of the periodic cubic B-spline through the samples, with three more rows and columns."""
@@ -94,9 +83,7 @@ def _evaluate_spline(coefficients, y, x, samples_per_y, samples_per_x, height, c
         w_x = _basis(u - j)
         d_y = _basis_slope(v - i)
         d_x = _basis_slope(u - j)
-        total = 0.0
-        slope_y = 0.0
-        slope_x = 0.0
+        total = slope_y = slope_x = 0.0
         for k in range(4):
             row = coefficients[i + k]
             along = w_x[0] * row[j] + w_x[1] * row[j + 1] + w_x[2] * row[j + 2] + w_x[3] * row[j + 3]

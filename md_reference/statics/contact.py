@@ -13,8 +13,9 @@ from contact_study.numerics.memory import in_turn
 from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import SurfaceStiffness, isotropic_element, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface, interface_of
-from md_reference.solution import Equilibrium, Solution
-from md_reference.statics.newton import EquilibriumSolver
+from md_reference.solution import Solution
+from md_reference.statics.energy import BlockEnergy, separated
+from md_reference.statics.newton import solve
 
 _SHORTEST_CUTOFF = 2.0  # in units of r0, as atomistic.cutoff of a study
 _CLOSEST = 0.85  # distance to surface and nearest site that a start keeps, in units of r0
@@ -72,12 +73,8 @@ class AtomisticContact:
         self.block = stiffness
         self.interface = interface
         self.control = control
-        self._solver = EquilibriumSolver(
-            stiffness, interface, contact_modulus, control, tolerance, max_iterations, threads
-        )
-        self.energy = self._solver.energy
-        self._heights = interface.rest_heights()
-        self._mean_height = float(np.mean(self._heights))
+        self.energy = BlockEnergy(stiffness, interface, contact_modulus, control == "gap", threads)
+        self._limits = tolerance, max_iterations
         self._apart = separated(interface)
 
     def separated(self) -> np.ndarray:
@@ -91,7 +88,7 @@ class AtomisticContact:
     def predicted(self, gap: np.ndarray) -> np.ndarray:
         """Return a start at rest laterally, with nearly this gap field, of any grid over the same rectangle (m)."""
         start, lowest = np.zeros((3, *self.interface.shape)), 0.5 * self.interface.length
-        start[2] = self._heights + np.maximum(fourier.interpolate(gap, self.interface.shape), lowest)
+        start[2] = self.interface.rest_heights() + np.maximum(fourier.interpolate(gap, self.interface.shape), lowest)
         start[2] = np.maximum(start[2], self.interface.floor(start) + lowest)
         return start
 
@@ -121,33 +118,8 @@ class AtomisticContact:
         """
         state, target = step_arguments(self.control, target, state, self._apart.shape)
         if self.control == "gap":
-            found = self._solver.solve(at_mean_gap(self.interface, state, target + self._mean_height))
-        else:
-            found = self._solver.solve(state, target)
-        return self.solution(found)
-
-    def solution(self, found: Equilibrium) -> Solution:
-        """Return a state of the bottom layer as one of the contact."""
-        area, apart = self.block.area_per_atom, found.detached
-        nominal_area = area * self._heights.size
-        # Atoms that slide to other heights change their mean gap, not the distance on which the load does work.
-        separation = float(np.mean(found.displacement[2])) - self._mean_height - self.interface.length
-        known = vars(found) | {
-            "residual": 0.0 if apart else found.residual,
-            "elastic_energy": 0.0 if apart else found.elastic_energy / nominal_area,
-            "interaction_energy": found.interaction_energy / nominal_area,
-        }
-        force = known.pop("force")
-        return Solution(
-            **known,
-            # A detached block has no definite position: the next step starts from separation again.
-            state=self.separated() if apart else found.displacement,
-            gap=np.full(self.interface.shape, np.inf) if apart else self.interface.gap(found.displacement),
-            pressure=force[2] / area,
-            shear_stress=force[:2] / area,
-            mean_separation=np.inf if apart else separation,
-            length=self.interface.length,
-        )
+            state = at_mean_gap(self.interface, state, target + self.energy.mean_height)
+        return solve(self.energy, state, target, *self._limits)
 
 
 def rough_contact(
@@ -239,13 +211,6 @@ def rough_contact(
     )
     contact_modulus = youngs_modulus / (1 - poissons_ratio**2)
     return AtomisticContact(stiffness, interface, contact_modulus, control, tolerance, max_iterations, threads)
-
-
-def separated(interface: LennardJonesInterface) -> np.ndarray:
-    """Return a flat layer of atoms just beyond the cutoff from the highest site, shape (3, ny, nx) (m)."""
-    displacement = np.zeros((3, *interface.shape))
-    displacement[2] = np.max(interface.substrate.heights) + (1 + 1e-6) * interface.cutoff * interface.length
-    return displacement
 
 
 def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean_gap: float) -> np.ndarray:

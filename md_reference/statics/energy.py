@@ -15,7 +15,7 @@ from md_reference.block.condensed import SurfaceStiffness
 from md_reference.block.spectral import multiply
 from md_reference.interface.cached import CachedInterface
 from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.solution import Equilibrium, Outcome
+from md_reference.solution import Outcome, Solution
 from md_reference.statics.atomwise import limit_step, raise_curvature
 from md_reference.statics.linear import LinearSolver
 
@@ -77,6 +77,7 @@ class BlockEnergy:
         self.fixed_mean = fixed_mean
         shape = (3, *stiffness.grid.shape)
         gap, cosine = interaction.gap_and_cosine(np.zeros(shape))
+        self.mean_height = -float(np.mean(gap))  # of the surface under the atoms' rest positions (m)
         height, slope = float(np.std(gap)), float(np.sqrt(np.mean(1 / cosine**2 - 1)))
         longest = 2 * np.pi / max(stiffness.grid.size)
         softening = _SOFTENING * interaction.force_prefactor / interaction.length
@@ -210,11 +211,46 @@ class BlockEnergy:
 
     def equilibrium(
         self, state: MinimizerState, residual: float, outcome: Outcome, iterations: int, pairs: float
-    ) -> Equilibrium:
-        """Return the last evaluated state as a result."""
+    ) -> Solution:
+        """Return the last evaluated state as a solution."""
         elastic = 0.5 * float(np.sum(state.displacement * state.stretch))
         work = iterations, round(state.evaluations), pairs
-        return Equilibrium(state.displacement, residual, outcome, *work, elastic, state.energy, self.force.copy())
+        return self.solution(state.displacement, self.force, outcome, residual, *work, elastic, state.energy)
+
+    def solution(
+        self,
+        displacement: np.ndarray,
+        force: np.ndarray,
+        outcome: Outcome,
+        residual: float,
+        iterations: int,
+        evaluations: int,
+        pairs: float,
+        elastic_energy: float,
+        interaction_energy: float,
+    ) -> Solution:
+        """Return a state of the layer, with the interface's forces (N) and energies (J), as one of the contact."""
+        apart, interface = outcome is Outcome.DETACHED, self.interaction
+        nominal_area = self.area * force[2].size
+        # Atoms that slide to other heights change their mean gap, not the distance on which the load does work.
+        separation = float(np.mean(displacement[2])) - self.mean_height - interface.length
+        return Solution(
+            displacement,
+            0.0 if apart else residual,
+            outcome,
+            iterations,
+            evaluations,
+            pairs,
+            0.0 if apart else elastic_energy / nominal_area,
+            interaction_energy / nominal_area,
+            # A detached block has no definite position: the next step starts from separation again.
+            state=separated(interface) if apart else displacement,
+            gap=np.full(force[2].shape, np.inf) if apart else interface.gap(displacement),
+            pressure=force[2] / self.area,
+            shear_stress=force[:2] / self.area,
+            mean_separation=np.inf if apart else separation,
+            length=interface.length,
+        )
 
     def _evaluate(self, state: MinimizerState, u: np.ndarray, force: np.ndarray, error: float = 0.0) -> float:
         """Write the forces near a state, whose work it counts as; return the energy (J)."""
@@ -237,6 +273,13 @@ class BlockEnergy:
             trial[2] += shift
             gap += shift
         return trial, gap, cosine
+
+
+def separated(interface: LennardJonesInterface) -> np.ndarray:
+    """Return a flat layer of atoms just beyond the cutoff from the highest site, shape (3, ny, nx) (m)."""
+    displacement = np.zeros((3, *interface.shape))
+    displacement[2] = np.max(interface.substrate.heights) + (1 + 1e-6) * interface.cutoff * interface.length
+    return displacement
 
 
 @kernel

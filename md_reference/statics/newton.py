@@ -10,11 +10,8 @@ everywhere at once, and the descent then follows a slow gradient flow.
 import numpy as np
 
 from contact_study.numerics import life
-from contact_study.numerics.balance import Excess
 from contact_study.numerics.kernel import inner_product
-from md_reference.block.condensed import SurfaceStiffness
-from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.solution import Equilibrium, Outcome
+from md_reference.solution import Outcome, Solution
 from md_reference.statics.energy import BlockEnergy, Load, MinimizerState
 
 # Residuals in units of a² E*, lengths in units of r0.
@@ -34,118 +31,92 @@ _EXPANSION = 0.003  # error of forces on atoms that moved little, over the resid
 _REFRESH = 20  # steps after which S u is computed from u
 
 
-class EquilibriumSolver:
-    """Minimiser for one block and one interface.
+def solve(energy: BlockEnergy, start: np.ndarray, pressure: float, tolerance: float, max_iterations: int) -> Solution:
+    """Find the equilibrium reached from a starting displacement (m, shape (3, ny, nx)).
 
-    ``contact_modulus`` is E*, the scale of the residual (Pa). Under control of the "gap" the mean of the normal
-    component keeps its starting value. A solve ends at a residual of ``tolerance``, in units of E*, or after
-    ``max_iterations`` Newton steps.
+    ``pressure`` is the mean pressure (Pa), not used where the mean of the normal component is kept. The solve ends at a
+    residual of ``tolerance``, in units of E*, or after ``max_iterations`` Newton steps. ValueError if an atom of the
+    starting state lies inside the substrate or is not finite.
     """
-
-    def __init__(
-        self,
-        stiffness: SurfaceStiffness,
-        interaction: LennardJonesInterface,
-        contact_modulus: float,
-        control: str = "pressure",
-        tolerance: float = 1e-8,
-        max_iterations: int = 2000,
-        threads: int = 1,
-    ):
-        self.interaction = interaction
-        self.tolerance = tolerance
-        self.max_iterations = max_iterations
-        self.energy = BlockEnergy(stiffness, interaction, contact_modulus, control == "gap", threads)
-
-    def solve(self, start: np.ndarray, pressure: float = 0.0) -> Equilibrium:
-        """Find the equilibrium reached from a starting displacement (m, shape (3, ny, nx)).
-
-        ``pressure`` is the mean pressure (Pa), not used under gap control. ValueError if an atom of the starting state
-        lies inside the substrate or is not finite.
-        """
-        energy = self.energy
-        transforms = energy.pairs
-        load = Load(0.0 if energy.fixed_mean else pressure * energy.area)
-        at = energy.evaluate(start)
-        at.approaching = not np.any(energy.force[2] > 0)
-        while True:
-            gradient = energy.gradient(at, load)
-            residual = energy.residual(gradient)
-            excess = energy.excess(at, gradient, load, self.tolerance)
-            outcome = self._outcome(at, excess, pressure)
-            if outcome is Outcome.CONVERGED and energy.leave_saddle(at):
-                at.iteration += 1  # one saddle may follow another
-                continue
-            if outcome is not None:
-                break
-            if excess.balanced:
-                energy.refresh(at)
-                continue
-            at.iteration += 1
-            life.beat(residual)
-            light = excess.load > excess.residual and residual < _CLOSE
-            step, raised = self._newton_step(at, gradient, residual, light)
-            if energy.search(at, step, load, _EXPANSION * residual * energy.force_scale) < 1:
-                _raise_damping(at)
-            elif not raised:
-                at.damping = at.damping * _DAMPING_DECAY if at.damping > 0.9 * _DAMPING_START else 0.0
-            if at.iteration % _REFRESH == 0:
-                at.stretch = energy.apply_stiffness(at.displacement).copy()
-        if not at.fresh:
-            energy.refresh(at)
-            residual = energy.residual(energy.gradient(at, load))
-        return energy.equilibrium(at, residual, outcome, at.iteration, energy.pairs - transforms)
-
-    def _outcome(self, at: MinimizerState, excess: Excess, pressure: float) -> Outcome | None:
-        """Return how the solve has ended, None while it continues."""
-        if not self.energy.fixed_mean and pressure <= 0 and not self.energy.force.any():
-            return Outcome.DETACHED
-        if at.iteration > self.max_iterations:  # by leaving a saddle
-            return Outcome.ITERATION_LIMIT
+    transforms = energy.pairs
+    load = Load(0.0 if energy.fixed_mean else pressure * energy.area)
+    at = energy.evaluate(start)
+    at.approaching = not np.any(energy.force[2] > 0)
+    while True:
+        gradient = energy.gradient(at, load)
+        residual = energy.residual(gradient)
+        excess = energy.excess(at, gradient, load, tolerance)
+        outcome = None
+        if not energy.fixed_mean and pressure <= 0 and not energy.force.any():
+            outcome = Outcome.DETACHED
+        elif at.iteration > max_iterations:  # by leaving a saddle
+            outcome = Outcome.ITERATION_LIMIT
+        elif excess.balanced:
+            outcome = Outcome.CONVERGED if at.fresh else None
+        elif at.iteration >= max_iterations:
+            outcome = Outcome.ITERATION_LIMIT
+        elif at.vanishing >= _VANISHING_STEPS:
+            outcome = Outcome.STALLED
+        if outcome is Outcome.CONVERGED and energy.leave_saddle(at):
+            at.iteration += 1  # one saddle may follow another
+            continue
+        if outcome is not None:
+            break
         if excess.balanced:
-            return Outcome.CONVERGED if at.fresh else None
-        if at.iteration >= self.max_iterations:
-            return Outcome.ITERATION_LIMIT
-        return Outcome.STALLED if at.vanishing >= _VANISHING_STEPS else None
-
-    def _newton_step(
-        self, at: MinimizerState, gradient: np.ndarray, residual: float, light: bool
-    ) -> tuple[np.ndarray, bool]:
-        """Return a step by the linear model of the energy, and whether it needed more damping.
-
-        Under a ``light`` load the missing load is reduced as well as the residual.
-        """
-        energy, length = self.energy, self.interaction.length
-        if at.approaching:
-            out_of_reach = not energy.fixed_mean and not np.any(energy.force[2] > 0)
-            if out_of_reach or residual > _SADDLE_RESIDUAL:
-                at.damping = 1.0
-        raised = False
-        while True:
-            energy.set_curvature(at, gradient, at.damping)
-            # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
-            full = max(_SMALLEST_REDUCTION, min(_REDUCTION, (100 * residual) ** 0.5))
-            reduction = _DAMPED_REDUCTION if at.damping > 0 else full
-            total = reduction * abs(float(np.sum(gradient[2]))) if light else np.inf
-            iterations = _FEW_ITERATIONS if residual > _CLOSE else _MANY_ITERATIONS
-            newton = energy.newton.solve(gradient, reduction, iterations, total)
-            step = newton.step
-            if not newton.indefinite:
-                return step, raised
-            if at.damping == 1:
-                # Nothing is indefinite: if the first direction has no curvature, forces nearly vanish, and the block
-                # moves out of reach of the substrate as a whole.
-                if newton.iterations == 1 and not energy.fixed_mean:
-                    step = np.zeros_like(gradient)
-                    step[2] = -np.sign(np.sum(gradient[2])) * _FALL * length
-                return step, raised
-            if at.damping == 0 and not raised and residual < _SADDLE_RESIDUAL:
-                # The last direction of the linear solver has negative curvature.
-                direction = energy.newton.direction
-                sign = -1.0 if inner_product(gradient, direction) >= 0 else 1.0
-                return step + sign * _SADDLE_STEP * length / np.abs(direction).max() * direction, raised
+            energy.refresh(at)
+            continue
+        at.iteration += 1
+        life.beat(residual)
+        light = excess.load > excess.residual and residual < _CLOSE
+        step, raised = _newton_step(energy, at, gradient, residual, light)
+        if energy.search(at, step, load, _EXPANSION * residual * energy.force_scale) < 1:
             _raise_damping(at)
-            raised = True
+        elif not raised:
+            at.damping = at.damping * _DAMPING_DECAY if at.damping > 0.9 * _DAMPING_START else 0.0
+        if at.iteration % _REFRESH == 0:
+            at.stretch = energy.apply_stiffness(at.displacement).copy()
+    if not at.fresh:
+        energy.refresh(at)
+        residual = energy.residual(energy.gradient(at, load))
+    return energy.equilibrium(at, residual, outcome, at.iteration, energy.pairs - transforms)
+
+
+def _newton_step(
+    energy: BlockEnergy, at: MinimizerState, gradient: np.ndarray, residual: float, light: bool
+) -> tuple[np.ndarray, bool]:
+    """Return a step by the linear model of the energy, and whether it needed more damping.
+
+    Under a ``light`` load the missing load is reduced as well as the residual.
+    """
+    length = energy.interaction.length
+    if at.approaching:
+        out_of_reach = not energy.fixed_mean and not np.any(energy.force[2] > 0)
+        if out_of_reach or residual > _SADDLE_RESIDUAL:
+            at.damping = 1.0
+    raised = False
+    while True:
+        energy.set_curvature(at, gradient, at.damping)
+        # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
+        full = max(_SMALLEST_REDUCTION, min(_REDUCTION, (100 * residual) ** 0.5))
+        reduction = _DAMPED_REDUCTION if at.damping > 0 else full
+        total = reduction * abs(float(np.sum(gradient[2]))) if light else np.inf
+        iterations = _FEW_ITERATIONS if residual > _CLOSE else _MANY_ITERATIONS
+        newton = energy.newton.solve(gradient, reduction, iterations, total)
+        step = newton.step
+        if newton.indefinite and at.damping == 1 and newton.iterations == 1 and not energy.fixed_mean:
+            # Nothing is indefinite: the first direction has no curvature, forces nearly vanish, and the block moves out
+            # of reach of the substrate as a whole.
+            step = np.zeros_like(gradient)
+            step[2] = -np.sign(np.sum(gradient[2])) * _FALL * length
+        if not newton.indefinite or at.damping == 1:
+            return step, raised
+        if at.damping == 0 and not raised and residual < _SADDLE_RESIDUAL:
+            # The last direction of the linear solver has negative curvature.
+            direction = energy.newton.direction
+            sign = -1.0 if inner_product(gradient, direction) >= 0 else 1.0
+            return step + sign * _SADDLE_STEP * length / np.abs(direction).max() * direction, raised
+        _raise_damping(at)
+        raised = True
 
 
 def _raise_damping(at: MinimizerState) -> None:

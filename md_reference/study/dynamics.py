@@ -14,11 +14,11 @@ from contact_study.study.case import Case
 from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
 from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.statics.contact import separated
+from md_reference.statics.energy import separated
 from md_reference.study.system import Predictor, Restart, States, build_interface, row_threads
 from md_reference.thermal import equilibration
 from md_reference.thermal.checkpoint import Frame, TrajectoryState
-from md_reference.thermal.equilibration import Descent, TemperatureStatistics
+from md_reference.thermal.equilibration import Descent
 from md_reference.thermal.langevin import MolecularDynamics, Motion, fastest_wave
 
 _SAFE_STEP = 0.2  # of the largest stable one, the default: an energy error of one per cent
@@ -90,10 +90,8 @@ def build_block(case: Case) -> MultiscaleBlock:
     """Return the explicit block of a case."""
     atoms, material = case.lattice.atoms, case.material
     assert material.atom_mass is not None
-    lame, layers = (
-        lame_constants(material.youngs_modulus, material.poissons_ratio),
-        level_layers(atoms, case.block_layers),
-    )
+    lame = lame_constants(material.youngs_modulus, material.poissons_ratio)
+    layers = level_layers(atoms, case.block_layers)
     kind = NonlinearSpringBlock if case.atomistic.block == "nonlinear_springs" else MultiscaleBlock
     return kind(atoms, case.lattice.constant, *lame, layers, material.atom_mass, row_threads(case))
 
@@ -256,15 +254,10 @@ class _Run:
         case, modulus = self._case, self._case.material.contact_modulus
         descent, counted = self._descent(at, pressure, carried), at.series[-carried.size :]
         if case.atomistic.temperature > 0:
-            warmth = TemperatureStatistics(
-                nodes=float(np.mean([frame.temperature for frame in counted])),
-                whole=float(np.mean([frame.whole for frame in counted])),
-                bath=case.atomistic.temperature,
-                freedoms=self._system.block.freedoms,
-                states=len(counted),
-                forgotten=case.dynamics.damping * (counted[-1].time - counted[0].time),
-            )
-            return equilibration.not_in_equilibrium(descent, warmth, modulus)
+            nodes, whole = (float(np.mean([frame[of] for frame in counted])) for of in (3, 4))
+            given = case.atomistic.temperature, self._system.block.freedoms
+            forgotten = case.dynamics.damping * (counted[-1].time - counted[0].time)
+            return equilibration.not_in_equilibrium(descent, modulus, nodes, whole, *given, forgotten)
         if case.dynamics.damping == 0:
             return equilibration.load_missing(descent, modulus, swings=True)
         return equilibration.still_moving(descent, self._system.unbalanced(at.motion) / self._area, modulus)

@@ -8,7 +8,7 @@ import numpy as np
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
-from md_reference.solution import Equilibrium, Outcome
+from md_reference.solution import Outcome
 from md_reference.statics.contact import AtomisticContact
 from md_reference.study.cold import equilibria
 from md_reference.study.system import Predictor, Restart, States, build_contact, interface_state
@@ -73,19 +73,10 @@ class _Sampling:
         displacement = sampler.displacement(found)
         energy = self._contact.interface.evaluate(displacement, sampler.force)
         apart = not sampler.force.any()
-        solution = self._contact.solution(
-            Equilibrium(
-                displacement=displacement,
-                force=sampler.force.copy(),
-                residual=np.nan,
-                outcome=Outcome.DETACHED if apart else Outcome.CONVERGED,
-                iterations=found.trajectories,
-                force_evaluations=found.evaluations,
-                fft_pairs=float(found.evaluations),  # each takes one pair
-                elastic_energy=sampler.elastic_energy(found),
-                interaction_energy=energy,
-            )
-        )
+        outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
+        work = found.trajectories, found.evaluations, float(found.evaluations)  # each evaluation takes one pair
+        energies = sampler.elastic_energy(found), energy
+        solution = self._contact.energy.solution(displacement, sampler.force, outcome, np.nan, *work, *energies)
         chain.pressures.append(float(np.mean(solution.pressure)))
         over = apart or found.trajectories == self._case.sampling.trajectories
         state = interface_state(self._case, solution)

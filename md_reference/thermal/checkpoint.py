@@ -1,8 +1,9 @@
 """State of a trajectory or of a Monte Carlo chain between two states of a run, as arrays that a file can hold."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,28 +11,23 @@ from contact_study.inputs.errors import InputError
 from md_reference.thermal.hmc import SamplerState
 from md_reference.thermal.langevin import Motion
 
-_WORD = 2**64
-_OTHER_VERSION = "what the interrupted run has kept is of another version of this program; drop it with --overwrite"
+
+def _record(generator: np.random.Generator, **numbers: Any) -> np.ndarray:
+    """Return numbers and the state of a PCG64 generator as JSON text, which keeps all digits."""
+    text = json.dumps({"generator": generator.bit_generator.state, **numbers})
+    return np.frombuffer(text.encode(), np.uint8)
 
 
-def pack_generator(generator: np.random.Generator) -> np.ndarray:
-    """Return the state of a PCG64 generator, shape (6,)."""
-    state = generator.bit_generator.state
-    words = [part for number in state["state"].values() for part in divmod(number, _WORD)]
-    return np.array([*words, state["has_uint32"], state["uinteger"]], dtype=np.uint64)
-
-
-def unpack_generator(words: np.ndarray) -> np.random.Generator:
-    """Return the generator whose :func:`pack_generator` state is given."""
-    high, low, increment_high, increment_low, has_uint32, uinteger = map(int, words)
-    bits = np.random.PCG64()
-    bits.state = {
-        "bit_generator": "PCG64",
-        "state": {"state": high * _WORD + low, "inc": increment_high * _WORD + increment_low},
-        "has_uint32": has_uint32,
-        "uinteger": uinteger,
-    }
-    return np.random.Generator(bits)
+def _read(arrays: Mapping[str, np.ndarray]) -> tuple[np.random.Generator, dict[str, Any]]:
+    """Return the generator and the numbers of a :func:`_record`; InputError for arrays of a version without one."""
+    if "record" not in arrays:
+        raise InputError(
+            "what the interrupted run has kept is of another version of this program; drop it with --overwrite"
+        )
+    numbers = json.loads(arrays["record"].tobytes())
+    generator = np.random.Generator(np.random.PCG64())
+    generator.bit_generator.state = numbers.pop("generator")
+    return generator, numbers
 
 
 @dataclass
@@ -47,26 +43,21 @@ class ChainState:
     def pack(self) -> dict[str, np.ndarray]:
         """Return the chain as arrays."""
         state = self.sampler
+        progress = [state.time_step, state.trajectories, state.accepted, state.evaluations]
         return {
             "state": self.equilibrium,
             "spectrum": state.displacement.view(np.float64),
-            "generator": pack_generator(self.generator),
             "mass": state.mass,
-            "sampler": np.array([state.time_step]),
-            "pressures": np.array(self.pressures),
-            "counts": np.array([state.trajectories, state.accepted, state.evaluations, int(self.converged)]),
+            "record": _record(self.generator, progress=progress, converged=self.converged, pressures=self.pressures),
         }
 
     @classmethod
     def unpack(cls, arrays: Mapping[str, np.ndarray]) -> "ChainState":
-        """Return the chain that :meth:`pack` stored; InputError for arrays of a version without pressures."""
-        if "pressures" not in arrays:
-            raise InputError(_OTHER_VERSION)
-        *counts, converged = map(int, arrays["counts"])
+        """Return the chain that :meth:`pack` stored."""
+        generator, numbers = _read(arrays)
         spectrum = np.ascontiguousarray(arrays["spectrum"]).view(np.complex128)
-        sampler = SamplerState(spectrum, float(arrays["sampler"][0]), arrays["mass"], *counts)
-        pressures = arrays["pressures"].tolist()
-        return cls(sampler, unpack_generator(arrays["generator"]), arrays["state"], bool(converged), pressures)
+        time_step, *counts = numbers.pop("progress")
+        return cls(SamplerState(spectrum, time_step, arrays["mass"], *counts), generator, arrays["state"], **numbers)
 
 
 class Frame(NamedTuple):
@@ -99,23 +90,19 @@ class TrajectoryState:
 
     def pack(self) -> dict[str, np.ndarray]:
         """Return the trajectory as arrays."""
-        motion = self.motion
+        numbers, motion = vars(self).copy(), self.motion
+        del numbers["motion"]
+        rigid = [motion.top, motion.top_velocity, motion.time]
         return {
             "displacement": motion.displacement.copy(),
             "velocity": motion.velocity.copy(),
-            "rigid": np.array([motion.top, motion.top_velocity, motion.time]),
-            "counts": np.array([self.point, self.touched, self.frame, self.frames, self.steps]),
-            "generator": pack_generator(self.generator),
-            "series": np.array(self.series).reshape(-1, len(Frame._fields)),
+            "record": _record(rigid=rigid, **numbers),
         }
 
     @classmethod
     def unpack(cls, arrays: Mapping[str, np.ndarray]) -> "TrajectoryState":
-        """Return the trajectory that :meth:`pack` stored; InputError for frames of a version with other fields."""
-        if arrays["series"].shape[1] != len(Frame._fields):
-            raise InputError(_OTHER_VERSION)
-        point, touched, frame, frames, steps = map(int, arrays["counts"])
-        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), *map(float, arrays["rigid"]))
-        series = [Frame(*map(float, frame)) for frame in arrays["series"]]
-        generator = unpack_generator(arrays["generator"])
-        return cls(motion, generator, point, bool(touched), frame, frames, steps, series)
+        """Return the trajectory that :meth:`pack` stored."""
+        generator, numbers = _read(arrays)
+        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), *numbers.pop("rigid"))
+        numbers["series"] = [Frame(*frame) for frame in numbers["series"]]
+        return cls(motion, generator, **numbers)

@@ -27,17 +27,6 @@ class Descent(NamedTuple):
     impact: float  # stress of an impact at the block's last speed: density times speed of sound times speed (Pa)
 
 
-class TemperatureStatistics(NamedTuple):
-    """Mean temperatures of a block under a thermostat over the states of a point that count."""
-
-    nodes: float  # of all nodes (K)
-    whole: float  # of the block as one body, see MolecularDynamics.temperature_of_whole (K)
-    bath: float  # of the thermostat (K)
-    freedoms: int  # of the nodes
-    states: int  # that count
-    forgotten: float  # damping times time: how often the thermostat replaces a wave's energy
-
-
 def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[float, str]:
     """Test whether a block without noise is at rest; return what is left over E*, and advice if it is not.
 
@@ -50,15 +39,26 @@ def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[f
     return residual, _falling(descent) or "the atoms still move: raise dynamics.duration or dynamics.damping"
 
 
-def not_in_equilibrium(descent: Descent, warmth: TemperatureStatistics, modulus: float) -> tuple[float, str]:
+def not_in_equilibrium(
+    descent: Descent, modulus: float, nodes: float, whole: float, bath: float, freedoms: int, forgotten: float
+) -> tuple[float, str]:
     """Test whether a warm block is in equilibrium; return the missing load over E*, and advice if it is not.
 
-    A block that rings, or is still cold, may carry its load on average: equipartition detects both.
+    A block that rings, or is still cold, may carry its load on average: equipartition detects both, by the mean
+    temperatures of the ``nodes``, with their ``freedoms``, of the ``whole`` as one body and of the ``bath`` (K).
+    ``forgotten`` is damping times time: how often the thermostat replaces a wave's energy.
     """
     residual, message = load_missing(descent, modulus)
     if message and _falling(descent):
         return residual, message
-    return residual, _ringing(warmth) or message or _still_cold(warmth)
+    ringing = _ringing(whole / bath, forgotten, descent.carried.size)
+    by_chance = _BY_CHANCE * math.sqrt(2 / freedoms)  # as if all states were one
+    if ringing or message or abs(nodes / bath - 1) <= max(by_chance, _NEGLIGIBLE):
+        return residual, ringing or message
+    return residual, (
+        f"the atoms moved at {nodes:.4g} K on average, not at the thermostat's {bath:.4g} K: raise dynamics.duration "
+        "or dynamics.damping"
+    )
 
 
 def load_missing(descent: Descent, modulus: float, swings: bool = False) -> tuple[float, str]:
@@ -88,31 +88,19 @@ def mean_load_missing(carried: np.ndarray, load: float, swings: bool = False) ->
     return missing, f"the interface carried {mean:.4g}{spread} Pa on average, not the {load:.4g} Pa applied"
 
 
-def _ringing(warmth: TemperatureStatistics) -> str:
-    """Return advice if a block moves up and down by more than thermal motion, as after an impact.
+def _ringing(found: float, forgotten: float, states: int) -> str:
+    """Return advice if a block moves up and down by ``found`` times thermal motion, as after an impact.
 
     The square of one momentum is χ²-distributed with one freedom; a mean over time has at least half as many freedoms
     as damping times time, or one, and at most one per state.
     """
-    freedoms = min(max(0.5 * warmth.forgotten, 1.0), warmth.states)
+    freedoms = min(max(0.5 * forgotten, 1.0), states)
     largest = special.chdtri(freedoms, _RARE) / freedoms
-    found = warmth.whole / warmth.bath
     if found <= largest:
         return ""
     return (
         f"the block still moves up and down as a whole, with {found:.3g} times the energy of thermal motion, by chance "
         f"with {largest:.3g} at most: raise dynamics.duration or dynamics.damping"
-    )
-
-
-def _still_cold(warmth: TemperatureStatistics) -> str:
-    """Return advice if the nodes do not have the thermostat's temperature."""
-    by_chance = _BY_CHANCE * math.sqrt(2 / warmth.freedoms)  # as if all states were one
-    if abs(warmth.nodes / warmth.bath - 1) <= max(by_chance, _NEGLIGIBLE):
-        return ""
-    return (
-        f"the atoms moved at {warmth.nodes:.4g} K on average, not at the thermostat's {warmth.bath:.4g} K: raise "
-        "dynamics.duration or dynamics.damping"
     )
 
 

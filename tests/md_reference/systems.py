@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import xarray as xr
 
-from contact_study.numerics.fourier import synthesise
+from contact_study.numerics.fourier import interpolate
 from contact_study.study.study import make_study
 from md_reference.block.condensed import isotropic_element, lame_constants, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface
@@ -24,32 +24,18 @@ LAME = lame_constants(YOUNGS_MODULUS, POISSONS_RATIO)
 ELEMENT = isotropic_element(LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO)
 
 
-def rough_coefficients(modes=3, rms=2e-10, seed=0):
-    side = 2 * modes + 1
-    heights = np.random.default_rng(seed).standard_normal((side, side))
+def rough_heights(modes=3, rms=2e-10):
+    heights = np.random.default_rng(0).standard_normal((2 * modes + 1, 2 * modes + 1))
     heights -= heights.mean()
-    return np.fft.rfft2(heights * rms / heights.std()) / side**2
+    return heights * rms / heights.std()
 
 
-def sample(coefficients, shape):
-    side = coefficients.shape[0]
-    modes = side // 2
-    out = np.zeros((shape[0], shape[1] // 2 + 1), complex)
-    out[: modes + 1, : modes + 1] = coefficients[: modes + 1]
-    out[-modes:, : modes + 1] = coefficients[-modes:]
-    return synthesise(out, shape)
-
-
-def substrate_of(atoms, coefficients=None):
+def interface_of(atoms, heights=None, ratio=1.0, threads=1):
     sites = tuple(round(1.618033988749895 * n) for n in atoms)
-    spacing = tuple(n * LATTICE_CONSTANT / m for n, m in zip(atoms, sites, strict=True))
-    heights = np.zeros(sites) if coefficients is None else sample(coefficients, sites)
-    return Substrate(heights, spacing)
-
-
-def interface_of(atoms, coefficients=None, well_depth=WELL_DEPTH, cutoff=4.0):
+    heights = np.zeros(sites) if heights is None else interpolate(heights, sites)
+    substrate = Substrate(heights, tuple(n * LATTICE_CONSTANT / m for n, m in zip(atoms, sites, strict=True)))
     spacing = (LATTICE_CONSTANT, LATTICE_CONSTANT)
-    return LennardJonesInterface(substrate_of(atoms, coefficients), atoms, spacing, well_depth, LENGTH, cutoff)
+    return LennardJonesInterface(substrate, atoms, spacing, ratio * WELL_DEPTH, LENGTH, 4.0, threads)
 
 
 def touching(interface):
@@ -73,9 +59,7 @@ def apply(stiffness, displacement, free=False):
 
 
 def times_matrices(six, u):
-    xx, yy, zz, xy, xz, yz = six
-    x, y, z = u
-    return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
+    return np.einsum("yxcd,dyx->cyx", matrices_of(six), u)
 
 
 def matrices_of(six):
@@ -83,14 +67,20 @@ def matrices_of(six):
     return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1))
 
 
-class NoInterface:
+class Quartic:
     length = LENGTH
 
+    def __init__(self, strength=0.0):
+        self.strength = strength
+
     def evaluate(self, displacement, force, hessian=None):
+        z = displacement[2]
         force[...] = 0
+        force[2] = -self.strength * z**3
         if hessian is not None:
             hessian[...] = 0
-        return 0.0
+            hessian[2] = 3 * self.strength * z**2
+        return 0.25 * self.strength * float(np.sum(z**4))
 
 
 SAMPLED = {
@@ -118,6 +108,14 @@ SAMPLED = {
     "output": {"fields": True, "pressure_range": ["-10 GPa", "30 GPa"], "gap_range": ["0 nm", "1 nm"]},
 }
 
+FLOW = {
+    "surface": {"rms_height": "2 angstrom", "cutoff_mode": 4},
+    "interaction": {"well_depth_ratio": 4},
+    "atomistic": {"method": "overdamped", "temperature": 0},
+    "loading": {"path": ["1 GPa", "-1 GPa", "-10 GPa", "-1 GPa", "0.5 GPa"]},
+}
+
+SMALL = {"size": "20.8 angstrom", "shape": [8, 8]}
 MOVING = {
     "surface": {"size": "41.6 angstrom", "shape": [16, 16]},
     "material": {"atom_mass": "197 u"},

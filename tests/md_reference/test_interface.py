@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from contact_study.numerics.fourier import interpolate
 from md_reference.interface.cached import CachedInterface
 from md_reference.interface.pairs import LennardJonesInterface, flat_adhesion
 from md_reference.interface.substrate import Substrate, sample_substrate
@@ -15,14 +16,12 @@ from tests.md_reference.systems import (
     LENGTH,
     WELL_DEPTH,
     interface_of,
-    rough_coefficients,
-    sample,
+    rough_heights,
     times_matrices,
 )
 
 ATOMS = (7, 10)
-SURFACE = rough_coefficients(modes=2, rms=1.0e-10)
-INTERFACE = interface_of(ATOMS, SURFACE)
+INTERFACE = interface_of(ATOMS, rough_heights(modes=2, rms=1.0e-10))
 
 
 def state_on(interface, seed=0, lateral=20e-10, lowest=0.95, highest=2.5):
@@ -134,7 +133,7 @@ def test_prefactor_is_that_of_a_flat_layer():
 
 
 def test_cosine_of_the_tilt_is_that_of_the_surface():
-    interface = interface_of((40, 40), rough_coefficients(modes=3, rms=2e-10))
+    interface = interface_of((40, 40), rough_heights())
     u = np.random.default_rng(0).uniform(-3e-10, 3e-10, (3, 40, 40))
     gap, cosine = interface.gap_and_cosine(u)
     np.testing.assert_array_equal(gap, interface.gap(u))
@@ -147,18 +146,19 @@ def test_cosine_of_the_tilt_is_that_of_the_surface():
 
 
 SIZE = (48e-10, 80e-10)
-WAVY = rough_coefficients(modes=4, rms=1e-10)
+WAVY = rough_heights(modes=4, rms=1e-10)
 
 
 def exact_height(y, x):
-    side = WAVY.shape[0]
-    m_y, m_x = np.fft.fftfreq(side, 1 / side)[:, None], np.arange(WAVY.shape[1])[None, :]
-    phase = 2 * np.pi * (np.multiply.outer(y, m_y) / SIZE[0] + np.multiply.outer(x, m_x) / SIZE[1])
-    return np.real(np.sum(np.where(m_x > 0, 2.0, 1.0) * WAVY * np.exp(1j * phase), axis=(-2, -1)))
+    wave = 2 * np.pi * np.fft.fftfreq(9, 1 / 9)
+    along_y, along_x = np.exp(1j * np.outer(y, wave) / SIZE[0]), np.exp(1j * np.outer(x, wave) / SIZE[1])
+    return np.einsum("ny,nx,yx->n", along_y, along_x, np.fft.fft2(WAVY) / WAVY.size).real
 
 
 def test_samples_are_refined_until_the_height_is_as_exact_as_asked():
-    coarse, fine = (sample_substrate(lambda shape: sample(WAVY, shape), SIZE, (16, 16), t) for t in (np.inf, 1e-14))
+    coarse, fine = (
+        sample_substrate(lambda shape: interpolate(WAVY, shape), SIZE, (16, 16), t) for t in (np.inf, 1e-14)
+    )
     y, x = np.random.default_rng(4).uniform(0, 1, (2, 500)) * np.array(SIZE)[:, None]
     assert (coarse.refinement, fine.refinement) == (1, 4)
     np.testing.assert_allclose(fine.heights, coarse.heights, atol=1e-24)
@@ -168,7 +168,7 @@ def test_samples_are_refined_until_the_height_is_as_exact_as_asked():
 
 MANY = (30, 40)
 SCALE = CONTACT_MODULUS * AREA
-ROUGH = interface_of(MANY, rough_coefficients(modes=2, rms=2e-10))
+ROUGH = interface_of(MANY, rough_heights(modes=2))
 
 
 def first_evaluated(distances):

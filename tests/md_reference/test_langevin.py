@@ -11,7 +11,6 @@ from contact_study.campaign.worker.case_run import Job, run_case
 from contact_study.numerics.time_series import statistics_of
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.block.verlet import Action, move_plane
-from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.parallel_rows import share_rows
 from md_reference.study.model import MODEL
 from md_reference.study.system import row_threads
@@ -21,12 +20,10 @@ from tests.md_reference.systems import (
     ELEMENT,
     LAME,
     LATTICE_CONSTANT,
-    LENGTH,
-    WELL_DEPTH,
-    NoInterface,
+    Quartic,
     case_of,
     interface_of,
-    rough_coefficients,
+    rough_heights,
     touching,
 )
 from tests.recording import bins_of_case
@@ -42,7 +39,7 @@ def block_of(layers=(4, 2), atoms=ATOMS):
 
 
 def system_of(time_step=0.1, interface=None, **options):
-    interface = interface_of(ATOMS, rough_coefficients()) if interface is None else interface
+    interface = interface or interface_of(ATOMS, rough_heights())
     return MolecularDynamics(block_of(), interface, time_step / FASTEST, **options)
 
 
@@ -92,7 +89,7 @@ def test_momentum_changes_by_the_forces_from_outside_alone(shaken):
 
 @pytest.mark.parametrize("rate", [0.0, 0.3 * FASTEST])
 def test_friction_acts_in_the_middle_of_the_way(rate):
-    system = system_of(interface=NoInterface(), damping=rate)
+    system = system_of(interface=Quartic(), damping=rate)
     motion = run(system, system.start(np.zeros((3, *ATOMS)), -10.0), 1, 0.0)
     kept = np.exp(-rate * system.time_step)
     way, block = -10.0 * system.time_step * (1 + kept) / 2, system.block
@@ -106,7 +103,7 @@ def test_friction_acts_in_the_middle_of_the_way(rate):
 
 
 def test_driven_block_goes_with_its_plane():
-    system = system_of(interface=NoInterface(), damping=0.2 * FASTEST, driven=True)
+    system = system_of(interface=Quartic(), damping=0.2 * FASTEST, driven=True)
     motion = run(system, system.start(np.zeros((3, *ATOMS)), 20.0), 300, 1e9)
     assert motion.top == pytest.approx(20.0 * motion.time, rel=1e-12)
     np.testing.assert_allclose(system.block.bottom_of(motion.displacement)[2], motion.top, rtol=1e-9)
@@ -117,7 +114,7 @@ def test_driven_block_goes_with_its_plane():
 
 
 def test_kinetic_temperature_is_the_thermostats_at_any_step():
-    system = system_of(1.0, NoInterface(), damping=0.1 * FASTEST, temperature=300.0)
+    system = system_of(1.0, Quartic(), damping=0.1 * FASTEST, temperature=300.0)
     generator = np.random.default_rng(3)
     motion = run(system, system.start(np.zeros((3, *ATOMS))), 300, 0.0, generator)
     found, at_the_end = [], []
@@ -156,7 +153,7 @@ def test_noise_has_the_moments_of_normal_numbers_and_no_memory():
 
 def test_levels_have_noise_of_their_own():
     block = block_of((6, 6), (32, 32))
-    system = MolecularDynamics(block, NoInterface(), 1e-3 / FASTEST, damping=1e-3 * FASTEST, temperature=300.0)
+    system = MolecularDynamics(block, Quartic(), 1e-3 / FASTEST, damping=1e-3 * FASTEST, temperature=300.0)
     motion = system.start(np.zeros((3, 32, 32)))
     system.move(motion, 0.0, np.random.default_rng(0))
     fine, coarse = (np.sign(nodes.reshape(3, -1)) for nodes in block.levels_of(motion.velocity))
@@ -169,7 +166,7 @@ def test_levels_have_noise_of_their_own():
 
 @pytest.mark.parametrize(("factor", "stable"), [(1.9, True), (2.2, False)])
 def test_steps_beyond_the_fastest_wave_are_unstable(factor, stable):
-    system = system_of(factor, NoInterface())
+    system = system_of(factor, Quartic())
     motion = system.start(np.zeros((3, *ATOMS)))
     mass = system.block.mass
     motion.velocity[:] = np.where(mass > 0, np.random.default_rng(0).standard_normal(mass.size), 0)
@@ -208,16 +205,13 @@ def test_what_a_thread_raises_comes_out(place):
 @pytest.mark.parametrize("kind", [MultiscaleBlock, NonlinearSpringBlock])
 def test_any_number_of_threads_gives_the_same_bits(kind, monkeypatch):
     atoms, step = (36, 24), 0.4 / FASTEST
-    substrate, spacing = interface_of(atoms, rough_coefficients()).substrate, (LATTICE_CONSTANT,) * 2
     found = []
     for threads in (1, 2, 3):
-        interface = LennardJonesInterface(substrate, atoms, spacing, WELL_DEPTH, LENGTH, 4.0, threads)
+        interface = interface_of(atoms, rough_heights(), threads=threads)
         monkeypatch.setattr("md_reference.block.multiscale._TASK_NODES", 8192 if threads == 1 else 1)
         block = kind(atoms, LATTICE_CONSTANT, *LAME, (4, 4), MASS, threads)
         system = MolecularDynamics(block, interface, step, damping=0.01 / step, temperature=300.0)
-        surface = np.zeros((3, *atoms))
-        surface[2] = interface.rest_heights().max() + LENGTH
-        motion = run(system, system.start(surface), 20, 1e9)
+        motion = run(system, system.start(touching(interface)), 20, 1e9)
         surface = np.ascontiguousarray(block.bottom_of(motion.displacement))
         force, hessian = np.empty(surface.shape), np.empty((6, *atoms))
         energy = interface.evaluate(surface, force, hessian)

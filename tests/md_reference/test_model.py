@@ -16,7 +16,8 @@ from contact_study.study.schema.keys import keys_of
 from contact_study.study.schema.sections import AtomisticSection
 from contact_study.study.study import Study
 from md_reference import rough_contact
-from md_reference.statics.contact import at_mean_gap, separated
+from md_reference.statics.contact import at_mean_gap
+from md_reference.statics.energy import separated
 from md_reference.study.model import METHODS, MODEL, check, constants, review, solve_path
 from md_reference.study.system import build_contact, build_interface, build_stiffness
 from tests.md_reference.systems import (

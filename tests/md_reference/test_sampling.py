@@ -13,8 +13,8 @@ from contact_study.inputs.errors import InputError
 from contact_study.numerics.time_series import statistics_of
 from contact_study.results.schema import AUTOCORRELATION_STATES, STANDARD_ERROR, TRAJECTORY, VARIABLES
 from contact_study.study.study import make_study
-from md_reference.statics.overdamped import OverdampedBlock
 from md_reference.study import sampling
+from md_reference.study.cold import OverdampedAtoms
 from md_reference.study.model import check
 from md_reference.thermal.hmc import ThermalSampler
 from md_reference.thermal.langevin import MolecularDynamics
@@ -85,7 +85,7 @@ WARM = {
     ("study", "owner", "method", "stops"),
     [
         (changed(sampling={"trajectories": 20, "equilibration": 10}), ThermalSampler, "next", (15, 15)),
-        (changed(**FLOW), OverdampedBlock, "advance", (10, 15)),
+        (changed(**FLOW), OverdampedAtoms, "advance", (10, 15)),
         (moving(**WARM), MolecularDynamics, "move", (10, 20)),
     ],
 )
