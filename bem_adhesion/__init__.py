@@ -22,15 +22,7 @@ from contact_study.physics.laws import (
     TabulatedLaw,
     TractionLaw,
 )
-from contact_study.physics.solids import (
-    Elasticity,
-    HalfSpace,
-    Layer,
-    Layered,
-    Measured,
-    Tabulated,
-    Viscoelastic,
-)
+from contact_study.physics.solids import Elasticity, HalfSpace, Layer, Layered, Measured, Tabulated, Viscoelastic
 
 __all__ = [
     "Contact",

@@ -125,7 +125,7 @@ class PeriodicOperator:
     ):
         self.grid = grid
         self.mean_stiffness = mean_stiffness
-        self._elasticity = elasticity
+        self.elasticity = elasticity
         self._work = work
         transform = (grid.shape, dtype, threads, scratch, memory)
         self._transform = RealTransform(*transform) if work.trace is None else _MarkedTransform(work, *transform)
@@ -139,7 +139,7 @@ class PeriodicOperator:
 
     def _stiffness_q(self, mean_stiffness: float) -> np.ndarray:
         """Return K of each wavevector (Pa/m) by ``rfft2`` without the rows of −qy, equal to those of qy."""
-        stiffness_q = self._elasticity.stiffness_on(self.grid)[: self.grid.shape[0] // 2 + 1]
+        stiffness_q = self.elasticity.stiffness_on(self.grid)[: self.grid.shape[0] // 2 + 1]
         stiffness_q[0, 0] = mean_stiffness
         return stiffness_q
 
@@ -240,36 +240,8 @@ class Load:
         return 0.5 * self.unit * inner_product(pressing[here], self.field[here])
 
 
-@dataclass(frozen=True)
-class Window:
-    """The part of a padded grid with a surface: its first rows and columns."""
-
-    shape: tuple[int, int]
-
-    @property
-    def slices(self) -> tuple[slice, slice]:
-        """Index of the surface's points."""
-        return slice(0, self.shape[0]), slice(0, self.shape[1])
-
-    @property
-    def halved(self) -> "Window":
-        """The window on every second point of the grid."""
-        return Window(((self.shape[0] + 1) // 2, (self.shape[1] + 1) // 2))
-
-    def inside(self, field: np.ndarray) -> np.ndarray:
-        """Return the surface's part of a field on the padded grid, a view."""
-        return field[self.slices]
-
-    def padded(self, field: np.ndarray, grid: Grid, filling: float) -> np.ndarray:
-        """Return a field on the padded grid, with one value outside the surface."""
-        result = np.full(grid.shape, filling)
-        result[self.slices] = field
-        return result
-
-
-def padded_grid(grid: Grid) -> Grid:
-    """Return the grid of twice as many points and twice the size along both axes."""
-    return Grid((2 * grid.shape[0], 2 * grid.shape[1]), (2 * grid.size[0], 2 * grid.size[1]))
+Window = tuple[slice, ...]
+"""The rows and columns of a padded grid with a surface."""
 
 
 @dataclass(frozen=True)

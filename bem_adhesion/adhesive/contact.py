@@ -1,11 +1,14 @@
 """Adhesive contact of one rough surface, step after step: where the energy has several minima the path decides."""
 
 from dataclasses import replace
+from functools import partial
 from threading import RLock
+from typing import Any
 
 import numpy as np
 
 from bem_adhesion.adhesive.multigrid import MultigridSolver
+from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.kernels.law import blocks
 from bem_adhesion.kernels.local_energy import LocalEnergy
 from bem_adhesion.linear.conjugate_gradients import typical_wavenumber
@@ -36,10 +39,10 @@ def reach(law: TractionLaw) -> float:
     no_tension = NO_TENSION * law.peak_tensile_stress
     while law.traction(np.array(farther)) > no_tension:
         nearer, farther = farther, 2 * farther
-    # SciPy's default tolerance is a length in metres, a hundredth of an atom's.
-    exact = 1e-12 * law.length
     from scipy.optimize import brentq  # slow to import
 
+    # SciPy's default tolerance is a length in metres, a hundredth of an atom's.
+    exact = 1e-12 * law.length
     return float(brentq(lambda gap: float(law.traction(np.array(gap))) - no_tension, nearer, farther, xtol=exact))
 
 
@@ -68,31 +71,28 @@ class AdhesiveContact:
         check_arguments(grid, control, tolerance, max_iterations, self.elasticity)
         self.height = height
         self.law = law
-        self.control = control
-        self.tolerance = tolerance
-        self.max_iterations = max_iterations
+        self.control, self.tolerance, self.max_iterations = control, tolerance, max_iterations
         self._reach = reach(law)
         self._length = law.length
         self._law = law.scaled(self._length, self.elasticity.contact_modulus)
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
-        self._window = window or Window(grid.shape)
+        self._inside: Any = window or ...
         self._local = LocalEnergy(law, window=window)
         solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
-        inside, (dy, dx) = self._window.inside(height) / self._length, self._grid.spacing
+        inside, (dy, dx) = height[self._inside] / self._length, self._grid.spacing
         wavenumber = typical_wavenumber(inside, Grid(inside.shape, (inside.shape[0] * dy, inside.shape[1] * dx)))
         typical_stiffness = float(solid.stiffness(wavenumber))
         # Without softening there is no tail: the shift then only separates points that touch from those that do not.
         softening = self._law.strongest_softening or self._law.equilibrium_stiffness
         shift = PRECONDITIONER_SHIFT * np.sqrt(softening * typical_stiffness)
-        self._spring = 0.0
+        self._spring = solid.mean_stiffness_on(self._grid) if control == "approach" else 0.0
         if control == "gap":
             # As stiff as the solid's stiffest wave: stiffer would only spread the spectrum of the operator.
             self._spring = float(solid.stiffness_on(self._grid).max())
-        elif control == "approach":
-            self._spring = solid.mean_stiffness_on(self._grid)
         self._work = Work(grid.points, trace)
         make_operator = periodic(solid, self._spring, threads, self._work)
-        self.levels = MultigridSolver(self._grid, make_operator, self._law, shift, window, subdomains=solid.on_any_grid)
+        make_solver = partial(NewtonSolver, make_operator, self._law, shift)
+        self.levels = MultigridSolver(self._grid, make_solver, window)
         self._heights = Load.of_heights(self.levels.finest.solid, height, 1 / self._length)
 
     def separated(self) -> np.ndarray:
@@ -104,12 +104,9 @@ class AdhesiveContact:
         """Find the equilibrium that a displacement (m) descends to under a new load, see :meth:`Contact.step`."""
         state, target = step_arguments(self.control, target, state, self.height.shape)
         gap = self._gap_of(state)
-        closest = self._window.inside(gap).min()
-        if self.law.has_wall:
-            if closest < 0:
-                raise ValueError("the state to start from has gaps < 0")
-        elif self.law.diverges and not closest > 0:
-            raise ValueError("the state to start from has gaps <= 0")
+        closest = gap[self._inside].min()
+        if closest < 0 if self.law.has_wall else self.law.diverges and not closest > 0:
+            raise ValueError(f"the state to start from has gaps {'<' if self.law.has_wall else '<='} 0")
         out_of_reach = self._out_of_reach(gap)
         before = self._work.pairs
         if self.control == "gap":
@@ -118,7 +115,7 @@ class AdhesiveContact:
                 gap += max(mean_gap - gap.mean(), 0.0)
             result = self._hold_gap(gap, mean_gap, out_of_reach)
         elif self.control == "approach":
-            first_touch = float(self._window.inside(self.height).max()) + self.law.equilibrium_distance
+            first_touch = float(self.height[self._inside].max()) + self.law.equilibrium_distance
             result = self._hold_approach(gap, (first_touch - target) / self._length, out_of_reach)
         elif out_of_reach and target <= 0:
             return self._apart(Outcome.APART)
@@ -136,7 +133,7 @@ class AdhesiveContact:
         gap /= self._length
         if self.law.has_wall:
             # A displacement that was stored and read has a rounding.
-            over_surface = self._window.inside(gap)
+            over_surface = gap[self._inside]
             touching = TOUCHING * max(self.height.max(), -self.height.min()) / self._length
             over_surface[np.abs(over_surface) <= touching] = 0.0
         return gap
@@ -144,7 +141,7 @@ class AdhesiveContact:
     def _out_of_reach(self, gap: np.ndarray) -> bool:
         """Return whether the law acts on no point, for a gap in units of its length."""
         # Rounding of a displacement that was stored and read is less than this.
-        return bool(self._window.inside(gap).min() > (1 - 1e-6) * self._reach / self._length)
+        return bool(gap[self._inside].min() > (1 - 1e-6) * self._reach / self._length)
 
     @in_turn
     def stiffness(self, solution: Solution) -> float:
@@ -158,8 +155,8 @@ class AdhesiveContact:
     def _solve(
         self, gap: np.ndarray, pressure: float, first_contact: bool, tolerance: float | None = None
     ) -> NewtonResult:
-        load = self._load(pressure)
-        return self.levels.solve(gap, load, tolerance or self.tolerance, self.max_iterations, first_contact)
+        allowed = tolerance or self.tolerance
+        return self.levels.solve(gap, self._load(pressure), allowed, self.max_iterations, first_contact)
 
     def _load(self, pressure: float) -> Load:
         """Return the load at a mean pressure, in units of the contact modulus."""
@@ -168,13 +165,11 @@ class AdhesiveContact:
     def _hold_gap(self, gap: np.ndarray, mean_gap: float, first_contact: bool) -> NewtonResult:
         """Move the end of the spring by the secant method until the mean gap is met."""
         end = mean_gap + self._tension(gap) / self._spring
-        compliance, tolerance = 1.0, self.tolerance
+        compliance, tolerance, iterations = 1.0, self.tolerance, 0
         if mean_gap == 0:  # only at a wall can all points close, at any pressure above that of opening
             gap = np.zeros_like(gap)
             end = self._tension(gap) / self._spring
         previous: tuple[float, float] | None = None
-        iterations = 0
-        outcome = Outcome.ITERATION_LIMIT
         for _ in range(GAP_CORRECTIONS):
             result = self._solve(gap, -self._spring * end, first_contact, tolerance)
             if result.iterations == 0:  # the tolerance does not resolve the last correction
@@ -183,15 +178,14 @@ class AdhesiveContact:
             gap, first_contact = result.gap, False
             error = float(np.mean(gap)) - mean_gap
             if result.outcome is not Outcome.CONVERGED or abs(error) <= self.tolerance:
-                outcome = result.outcome
-                break
+                return replace(result, iterations=iterations)
             if previous is not None and error != previous[1]:
                 # Between rigid (1) and a contact ten times as stiff as the spring; a wall stays closed.
                 stiffest = 1e-3 if self.law.has_wall else 0.1
                 compliance = np.clip((error - previous[1]) / (end - previous[0]), stiffest, 1.0)
             previous = end, error
             end -= error / compliance
-        return replace(result, iterations=iterations, outcome=outcome)
+        return replace(result, iterations=iterations, outcome=Outcome.ITERATION_LIMIT)
 
     def _hold_approach(self, gap: np.ndarray, plane: float, first_contact: bool) -> NewtonResult:
         """Solve until the undeformed surface is at its height, too: a small residual may move a soft mean far."""

@@ -7,11 +7,10 @@ only the *change* of the gap is elastic, and springs anchor the rim. The next Ne
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bem_adhesion.adhesive.newton import CLOSE, NewtonSolver
-from bem_adhesion.operators import Load, MakeOperator
+from bem_adhesion.adhesive.newton import CLOSE, MakeSolver
+from bem_adhesion.operators import Load
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Memory
-from contact_study.physics.laws import TractionLaw
 
 # Tiles along an axis of the grid and of a subdomain; one tile at each rim is held.
 TILES, TILES_OF_SUBDOMAIN = 32, 8
@@ -24,14 +23,12 @@ STEPS = 3  # Newton steps in one subdomain before the whole takes one; more may 
 class LocalNewton:
     """A corrector of :class:`NewtonSolver` that relaxes subdomains of its grid."""
 
-    def __init__(
-        self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float, memory: Memory | None = None
-    ):
+    def __init__(self, grid: Grid, make: MakeSolver, memory: Memory | None = None):
         self._tile = grid.shape[0] // TILES, grid.shape[1] // TILES
         rows, columns = (TILES_OF_SUBDOMAIN * tile for tile in self._tile)
         dy, dx = grid.spacing
         subdomain = Grid((rows, columns), (rows * dy, columns * dx))
-        self.solver = NewtonSolver(subdomain, make_operator, law, shift, memory=memory)
+        self.solver = make(subdomain, memory=memory)
         down, across = _ramp(rows), _ramp(columns)
         self._springs = self.solver.solid.largest * np.maximum(down[:, None], across[None, :]) ** 2
 
@@ -52,7 +49,7 @@ class LocalNewton:
             # Where subdomains overlap, the next starts from the result of the last.
             start = out[here]
             solver.set_anchor_springs(self._springs, start, stalls=False)
-            out[here] = solver.solve(start, local_load, CLOSE, STEPS).gap
+            out[here] = solver.solve(start.copy(), local_load, CLOSE, STEPS).gap
         return True
 
 

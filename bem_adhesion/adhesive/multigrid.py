@@ -9,12 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from bem_adhesion.adhesive.local_newton import FEWEST_POINTS, LocalNewton
-from bem_adhesion.adhesive.newton import NewtonSolver
-from bem_adhesion.operators import Load, MakeOperator, Window
+from bem_adhesion.adhesive.newton import MakeSolver
+from bem_adhesion.operators import Load, Window
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Memory
-from contact_study.physics.laws import TractionLaw
 from contact_study.physics.process_zone import process_zone
 
 # Points per process zone of the coarsest grid that predicts, and fewest along an axis of a coarser grid.
@@ -46,27 +45,26 @@ class MultigridSolver:
     def __init__(
         self,
         grid: Grid,
-        make_operator: MakeOperator,
-        law: TractionLaw,
-        shift: float,
+        make: MakeSolver,
         window: Window | None = None,
         memory: Memory | None = None,
         subdomains: bool = True,
     ):
-        self.finest = NewtonSolver(grid, make_operator, law, shift, window, memory)
+        self.finest = make(grid, window, memory)
         idle = self.finest.idle
         # A subdomain is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.
-        subdomains = subdomains and window is None and self.finest.solid.mean_stiffness == 0
-        if subdomains and min(grid.shape) >= FEWEST_POINTS:
-            self.finest.corrector = LocalNewton(grid, make_operator, law, shift, Memory(idle))
-        self.points_per_process_zone = process_zone(1.0, law) / max(grid.spacing)
+        solid = self.finest.solid
+        alike = solid.elasticity.on_any_grid and window is None and solid.mean_stiffness == 0
+        if alike and min(grid.shape) >= FEWEST_POINTS:
+            self.finest.corrector = LocalNewton(grid, make, Memory(idle))
+        self.points_per_process_zone = process_zone(1.0, self.finest.law) / max(grid.spacing)
         self.coarser: MultigridSolver | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
         resolved = self.points_per_process_zone >= 2 * POINTS_FOR_PREDICTION
         if even and min(half.shape) >= FEWEST_POINTS_OF_HALF and resolved:
-            coarse_window = None if window is None else window.halved
-            self.coarser = MultigridSolver(half, make_operator, law, shift, coarse_window, Memory(idle), subdomains)
+            own = window and tuple(slice((axis.stop + 1) // 2) for axis in window)
+            self.coarser = MultigridSolver(half, make, own, Memory(idle))
 
     def solve(
         self, gap: np.ndarray, load: Load, tolerance: float, max_iterations: int, first_contact: bool = False
@@ -78,9 +76,7 @@ class MultigridSolver:
             if lower is None:
                 break
             used = result.iterations + 1  # leaving a saddle counts: there may be many
-            rest = self.finest.solve(
-                lower, load, tolerance, max(max_iterations - used, 0), overwrite=True, carries=True
-            )
+            rest = self.finest.solve(lower, load, tolerance, max(max_iterations - used, 0), carries=True)
             outcome = rest.outcome if used <= max_iterations else Outcome.ITERATION_LIMIT
             result = replace(rest, iterations=used + rest.iterations, outcome=outcome)
         return result
@@ -113,9 +109,7 @@ class MultigridSolver:
             if known is None:
                 self.finest.press(gap, load)
             start, known = self._predict(self.coarser, gap, load, max_iterations, first_contact), gap
-        return self.finest.solve(
-            start, load, tolerance, max_iterations, first_contact, known, overwrite=True, carries=carries
-        )
+        return self.finest.solve(start, load, tolerance, max_iterations, first_contact, known, carries=carries)
 
     def _predict(
         self, coarser: "MultigridSolver", gap: np.ndarray, load: Load, max_iterations: int, first_contact: bool
@@ -141,12 +135,12 @@ class MultigridSolver:
             steps = TANGENT_STEPS if coarser.points_per_process_zone >= POINTS_FOR_STEPS else 1
             reached = coarser.finest.follow_tangent(reached, coarse_load, TANGENT_LIMIT, steps, reached)
         coarser.finest.single.field[...] = reached - gap[::2, ::2]
-        predicted, inside = gap + finest.single.interpolate(coarser.finest.single), finest.window.inside
+        predicted, inside = gap + finest.single.interpolate(coarser.finest.single), finest.inside
         closest = CLOSEST_PREDICTION * law.equilibrium_distance
         # No gap falls below the smaller of itself and the closest.
-        np.maximum(inside(predicted), np.minimum(inside(gap), closest), out=inside(predicted))
+        np.maximum(predicted[inside], np.minimum(gap[inside], closest), out=predicted[inside])
         if law.has_wall:
             touching = np.zeros(reached.shape, bool)
-            coarser.finest.window.inside(touching)[...] = coarser.finest.window.inside(reached) == 0
+            touching[coarser.finest.inside] = reached[coarser.finest.inside] == 0
             _close_gaps(touching, predicted)
         return predicted

@@ -5,6 +5,7 @@ solve is multiplied by 1 − damping until steps succeed. Stresses are in units 
 float64; between two full evaluations K d follows the changes of d by transforms in float32.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -57,10 +58,10 @@ class NewtonSolver:
 
     def __init__(
         self,
-        grid: Grid,
         make_operator: MakeOperator,
         law: TractionLaw,
         shift: float,
+        grid: Grid,
         window: Window | None = None,
         memory: Memory | None = None,
     ):
@@ -68,7 +69,7 @@ class NewtonSolver:
         make = partial(make_operator, memory=memory)
         self.grid = grid
         self.law = law
-        self.window = window or Window(grid.shape)
+        self.inside: Any = window or ...
         self.solid = make(grid, np.float64)
         self.single = make(grid, np.float32)
         self.local = LocalEnergy(law, self.solid.largest, window)
@@ -148,7 +149,7 @@ class NewtonSolver:
     def is_detaching(self, gap: np.ndarray, state: EnergyAndGradient) -> bool:
         """Return whether a tension separates the surfaces with every point beyond the peak: then for ever."""
         tension = self.solid.mean_stiffness == 0 and state.total < 0 and self.local.springs is None
-        return tension and bool(self.window.inside(gap).min() > self.law.peak_distance)
+        return tension and bool(gap[self.inside].min() > self.law.peak_distance)
 
     def solve(
         self,
@@ -158,17 +159,15 @@ class NewtonSolver:
         max_iterations: int,
         first_contact: bool = False,
         known: np.ndarray | None = None,
-        overwrite: bool = False,
         carries: bool = False,
     ) -> NewtonResult:
-        """Descend from a gap to the next equilibrium, max|gradient| at most ``tolerance``; ``overwrite`` frees gaps.
+        """Descend from a gap, which is overwritten, to the next equilibrium, max|gradient| at most ``tolerance``.
 
         A ``known`` gap, this or another, was evaluated last under this load's field. A solution that ``carries`` its
         load does so however light it is, see :mod:`contact_study.numerics.balance`.
         """
         state = self._evaluate_from(known, gap, load)
-        trial = known if overwrite and known is not None and known is not gap else np.empty_like(gap)
-        gap = gap if overwrite else gap.copy()
+        trial = np.empty_like(gap) if known is None or known is gap else known
         damping, iteration, stepped = 0.0, 0, True
         least = np.inf if self.corrector is None or self.local.springs else SUBDOMAIN_RESIDUAL
         self._saddle_steps = 0
@@ -276,10 +275,10 @@ class NewtonSolver:
 
     def _shorten_fall(self, gap: np.ndarray, missing: float, light: bool) -> None:
         """Shorten a long step of separated surfaces until a point touches or carries the whole missing pressure."""
-        step, gap = self._linearised.solution, self.window.inside(gap)
+        step, gap = self._linearised.solution, gap[self.inside]
         if not light and max(step.max(), -step.min()) <= LONGEST_FALL * gap.max():
             return
-        step = self.window.inside(step)
+        step = step[self.inside]
         closest, lowest = float(gap.min()), float(self.law.repulsive_gap(np.array(-missing)))
         if closest < self.law.equilibrium_distance or closest <= lowest:
             return
@@ -348,16 +347,20 @@ class NewtonSolver:
         self, gap: np.ndarray, load: Load, limit: float, steps: int = 1, known: np.ndarray | None = None
     ) -> np.ndarray:
         """Return the gap after Newton steps, as far as no gap changes by more than the fraction ``limit`` in total."""
-        start, inside = gap, self.window.inside
+        start, inside = gap, self.inside
         for _ in range(steps):
             self._evaluate_from(known, gap, load)
             result = self._linearised.solve(self._right_side, self.curvature, 1.0, TANGENT_REDUCTION, LINEAR_ITERATIONS)
             step = self._linearised.solution
             self.local.hold(self.curvature, step)
-            change = np.abs(inside(gap - start + step) / (inside(start) + self.local.margin))
+            change = np.abs((gap - start + step)[inside] / (start[inside] + self.local.margin))
             if result.negative_curvature or change.max() > limit:
                 break
             moved = np.empty_like(gap)
             self.local.advance(gap, step, STEP_LIMIT, moved)
             known, gap = gap, moved
         return gap
+
+
+MakeSolver = Callable[..., NewtonSolver]
+"""Make the solver of a law and a solid on a grid, with its window and its memory."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.hard_wall.contact import HardWallContact
-from bem_adhesion.operators import FreeHalfSpace, Trace, Window, padded_grid
+from bem_adhesion.operators import FreeHalfSpace, Trace
 from bem_adhesion.solution import Solution, require_solution
 from contact_study.inputs.units import length
 from contact_study.numerics.arguments import field, grid_of, positive, step_arguments
@@ -85,16 +85,6 @@ class Contact(Protocol):
         ------
         TypeError
             If the argument is not a Solution.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> from bem_adhesion import HardWall, rough_contact
-        >>> height = 1e-9 * np.cos(np.linspace(0, 2 * np.pi, 32, endpoint=False)) * np.ones((32, 1))
-        >>> contact = rough_contact(height, 1e-7, 1e11, HardWall())
-        >>> solution = contact.step(contact.separated(), 1e8)
-        >>> contact.stiffness(solution) > 0
-        True
         """
 
 
@@ -215,9 +205,8 @@ def contact_between(
                 f"hardness: known of a hard wall without adhesion, not of {type(law).__name__}; leave one out"
             )
         options["hardness"] = positive("hardness", hardness, "Pa")
-    make: Any = partial(FreeBoundaryContact, law=law)
-    if boundary == "periodic":
-        make = HardWallContact if bare_wall else partial(AdhesiveContact, law=law)
+    adhesive: Any = FreeBoundaryContact if boundary == "free" else AdhesiveContact
+    make: Any = HardWallContact if bare_wall and boundary == "periodic" else partial(adhesive, law=law)
     make = partial(make, grid=grid, elasticity=elasticity, **options)
     return make(heights) if hardness is None else PlasticContact(heights, make)
 
@@ -239,20 +228,19 @@ class FreeBoundaryContact:
             raise ValueError(f"elasticity = {solid!r}: free boundaries are those of a half-space")
         if control not in ("pressure", "approach"):
             raise ValueError(f"control = {control!r}: with free boundaries 'pressure' or 'approach'")
-        self.height = height
-        self.law = law
-        self.control = control
-        self._window = Window(grid.shape)
-        self._grid = padded_grid(grid)
+        self.height, self.law, self.control = height, law, control
+        self._window = slice(grid.shape[0]), slice(grid.shape[1])
+        self._grid = Grid((2 * grid.shape[0], 2 * grid.shape[1]), (2 * grid.size[0], 2 * grid.size[1]))
         free = FreeHalfSpace(solid.contact_modulus)
         self._mean_stiffness = free.mean_stiffness_on(self._grid)
         self._share = grid.points / self._grid.points
+        bare_wall = law.has_wall and not law.attracts
+        heights = np.full(self._grid.shape, -np.inf if bare_wall else float(height.min()))
+        heights[self._window] = height
         self._padded: HardWallContact | AdhesiveContact
-        if law.has_wall and not law.attracts:
-            heights = self._window.padded(height, self._grid, -np.inf)
+        if bare_wall:
             self._padded = HardWallContact(heights, self._grid, free, control, **options)
         else:
-            heights = self._window.padded(height, self._grid, float(height.min()))
             self._padded = AdhesiveContact(heights, self._grid, free, law, control, window=self._window, **options)
 
     def separated(self) -> np.ndarray:
@@ -267,17 +255,13 @@ class FreeBoundaryContact:
     def stiffness(self, solution: Solution) -> float:
         """Return −dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
         inner = self._padded.stiffness(solution)
-        if inner == 0:
-            return 0.0
         # In series: the mean of the padded surface, and the undeformed surface beyond it.
-        return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness))
+        return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness)) if inner else 0.0
 
     def _cropped(self, found: Solution) -> Solution:
-        inside = self._window.inside
-        gap, pressure, displacement = (
-            np.ascontiguousarray(inside(field)) for field in (found.gap, found.pressure, found.displacement)
-        )
-        yielded = found.plastic_indentation
+        fields = found.gap, found.pressure, found.displacement, found.plastic_indentation
+        inside: Any = [None if each is None else np.ascontiguousarray(each[self._window]) for each in fields]
+        gap, pressure, displacement, yielded = inside
         mean_pressure = float(pressure.mean())
         plane = float(found.displacement.mean()) - mean_pressure * self._share / self._mean_stiffness
         # Half the work of the pressures, at each point from the undeformed surface to the displacement.
@@ -287,7 +271,7 @@ class FreeBoundaryContact:
             displacement=displacement,
             gap=gap,
             pressure=pressure,
-            plastic_indentation=None if yielded is None else np.ascontiguousarray(inside(yielded)),
+            plastic_indentation=yielded,
             elastic_energy=elastic,
             interaction_energy=found.interaction_energy / self._share,
             plane=plane,

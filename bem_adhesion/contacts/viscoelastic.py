@@ -142,10 +142,7 @@ class ViscoelasticContact:
         stored, dissipated = self._energies(displacement, change, carried, shares)
         kept = found.state if self._wall else found.gap
         solution = replace(
-            found,
-            state=np.stack([kept, displacement, *after]),
-            displacement=surface,
-            elastic_energy=stored,
+            found, state=np.stack([kept, displacement, *after]), displacement=surface, elastic_energy=stored
         )
         return solution, dissipated
 

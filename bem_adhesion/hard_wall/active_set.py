@@ -1,12 +1,10 @@
 """Active sets for the contact of an elastic solid with a hard wall, nested over grids.
 
-On a trial contact set A solve C_AA p = h + offset, C = 1/K(q), by conjugate gradients in single precision for a
-*correction* of p; points of A that pull leave it, points outside that penetrate enter, both judged on the same solved
-state (M. Hintermüller, K. Ito & K. Kunisch, SIAM J. Optim. 13, 865 (2002)): one change after the other can cycle.
-
-With a bound, the hardness, p minimises ½<p, C p> − <p, h> at 0 <= p <= bound: indentation = −gap >= 0 where p = bound.
-A step of the free points is cut off at the bounds, the load restored by a shift, and the step shortened, and finally
-turned along the gradient, until the energy falls (D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982)).
+On a trial contact set A solve C_AA p = h + offset, C = 1/K(q), for a correction of p; points of A that pull leave it
+and points outside that penetrate enter at once (M. Hintermüller, K. Ito & K. Kunisch, SIAM J. Optim. 13, 865 (2002)).
+With a bound, the hardness, p minimises ½<p, C p> − <p, h> at 0 <= p <= bound, indentation = −gap >= 0 where p = bound:
+a step is cut off at the bounds, the load restored by a shift, and the step shortened, and finally turned along the
+gradient, until the energy falls (D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982)).
 """
 
 from collections.abc import Iterator
@@ -40,11 +38,11 @@ class ContactLevel:
         self._make_operator = make_operator
         self._double = make_operator(grid, np.float64)
         self.single = make_operator(grid, np.float32)
-        self.contact = np.ones(grid.shape, bool)
-        self.pressure = np.empty(grid.shape)
+        self.contact, self.pressure = np.ones(grid.shape, bool), np.empty(grid.shape)
         self._extension = Extension(self.contact)
-        self._residual = np.empty(grid.shape, np.float32)
-        self._direction = np.empty(grid.shape, np.float32)
+        self._residual, self._direction = np.empty((2, *grid.shape), np.float32)
+        # Views over all points of heights, contact set, pressure and residual, for the kernels.
+        self._flat = [field.reshape(-1) for field in (heights, self.contact, self.pressure, self._residual)]
         self._bound = bound
         self._offset: float | None = None  # of surface and heights, once points are at the bound
         present = np.isfinite(heights)
@@ -67,8 +65,7 @@ class ContactLevel:
 
     def start_from_full_contact(self, mean_pressure: float) -> bool:
         """Start from the pressure of full contact cut off at zero; return whether this is already the solution."""
-        whole = self._absent is None
-        self._double.field[...] = self.heights if whole else np.maximum(self.heights, -self._largest_height)
+        np.maximum(self.heights, -self._largest_height, out=self._double.field)
         np.add(self._double.apply(self._double.stiffness), mean_pressure, out=self.pressure)
         if self._absent is not None:
             self.pressure[self._absent] = 0
@@ -93,31 +90,25 @@ class ContactLevel:
 
     def solve(self, mean_pressure: float, tolerance: float, max_iterations: int) -> tuple[float, int, Outcome]:
         """Solve from the present pressure; return residual, iterations and outcome."""
-        self._offset = None
-        iterations = 0
+        self._offset, before = None, 0
         if not self.pressure.max() >= self._bound:
-            residual, iterations, outcome = self._solve_unbounded(mean_pressure, tolerance, max_iterations)
+            residual, before, outcome = self._solve_unbounded(mean_pressure, tolerance, max_iterations)
             if not self.exceeds_bound():
-                return residual, iterations, outcome
-        residual, more, outcome = self._solve_bounded(mean_pressure, tolerance, max_iterations)
-        return residual, iterations + more, outcome
+                return residual, before, outcome
+        residual, iterations, outcome = self._solve_bounded(mean_pressure, tolerance, max_iterations)
+        return residual, before + iterations, outcome
 
     def _solve_unbounded(
         self, mean_pressure: float, tolerance: float, max_iterations: int
     ) -> tuple[float, int, Outcome]:
-        heights, contact = self.heights.reshape(-1), self.contact.reshape(-1)
-        residual = self._residual.reshape(-1)
-        rounding = 4 * np.finfo(float).eps * self._largest_height
-        threshold = max(0.3 * tolerance, rounding)
+        heights, contact, _, residual = self._flat
+        threshold = self._threshold(tolerance)
         # A guess is solved on its own contact set first: the gap of a pressure that was interpolated and cut off at
         # zero does not show which points should enter.
-        entered, deepest = 1, 0.0
-        previous = np.inf
-        iteration = 0
+        iteration, entered, deepest, previous = 0, 1, 0.0, np.inf
         while True:
             iteration += 1
-            self._double.field[...] = self.pressure
-            displacement = self._double.apply(self._double.compliance).reshape(-1)
+            displacement = self._displaced()
             if iteration > 1:
                 offset = kernels.offset(displacement, heights, contact)
                 entered, deepest = kernels.enter(displacement, heights, offset, threshold, contact)
@@ -137,12 +128,11 @@ class ContactLevel:
 
     def _drop_tension(self, mean_pressure: float) -> int:
         """Remove points that pull from the contact set, keep the load, update the displacement; return their number."""
-        change = self.single.field
-        pressure = self.pressure.reshape(-1)
-        left, total = kernels.leave(pressure, self.contact.reshape(-1), change.reshape(-1))
+        (_, contact, pressure, _), change = self._flat, self.single.field.reshape(-1)
+        left, total = kernels.leave(pressure, contact, change)
         factor = mean_pressure * self.grid.points / total
         if left:
-            kernels.rescale(pressure, factor, change.reshape(-1))
+            kernels.rescale(pressure, factor, change)
             self._double.field += self.single.apply(self.single.compliance)
         else:  # single precision lets the load drift in its last digits
             self.pressure *= factor
@@ -152,15 +142,13 @@ class ContactLevel:
     def _correct(self, largest: float, floor: float) -> None:
         """Close the gap of the contact set at the same load by conjugate gradients for the pressure."""
         buffer = self.single.field
-        flat = buffer.reshape(-1)
-        contact, pressure = self.contact.reshape(-1), self.pressure.reshape(-1)
-        residual, direction = self._residual.reshape(-1), self._direction.reshape(-1)
-        target = max(REDUCTION * largest, floor)
+        (_, contact, pressure, residual), flat = self._flat, buffer.reshape(-1)
+        direction = self._direction.reshape(-1)
         self.single.mark("extension")
         self._extension.update()
         self.single.mark("points")
         direction[...] = 0
-        previous = np.inf
+        target, previous = max(REDUCTION * largest, floor), np.inf
         for _ in range(INNER_ITERATIONS):
             if largest <= target:
                 return
@@ -182,14 +170,12 @@ class ContactLevel:
 
     def _solve_bounded(self, mean_pressure: float, tolerance: float, max_iterations: int) -> tuple[float, int, Outcome]:
         """Solve from the present pressure with the bound; return residual, iterations and outcome."""
-        heights, contact, pressure = self.heights.reshape(-1), self.contact.reshape(-1), self.pressure.reshape(-1)
-        floor = max(0.3 * tolerance, 4 * np.finfo(float).eps * self._largest_height)
+        heights, contact, pressure, _ = self._flat
         bound, total = self._bound, mean_pressure * self.grid.points
         stiffness, moved = self.single.largest, np.empty(pressure.size)
         self._bring_within(mean_pressure)
         displacement = self._displaced()
-        energy = kernels.energy(displacement, heights, pressure)
-        iteration = 0
+        energy, iteration = kernels.energy(displacement, heights, pressure), 0
         while True:
             # At the solution it is that of the points between the bounds; where there are few, those at them decide.
             present = kernels.descended(displacement, heights, pressure, stiffness, moved)
@@ -203,9 +189,8 @@ class ContactLevel:
             iteration += 1
             before = pressure.copy()
             # A punch sinks in by more than its heights: its energy is the scale there.
-            scale = max(total * self._largest_height, abs(energy))
-            allowed = energy + ENERGY_ROUNDING * scale
-            for trial in self._trials(displacement, floor):
+            allowed = energy + ENERGY_ROUNDING * max(total * self._largest_height, abs(energy))
+            for trial in self._trials(displacement, self._threshold(tolerance)):
                 pressure[...] = trial
                 kernels.carry(pressure, contact, bound, total)
                 displacement = self._displaced()
@@ -217,10 +202,13 @@ class ContactLevel:
                 self._displaced()
                 return error, iteration, Outcome.STALLED
 
+    def _threshold(self, tolerance: float) -> float:
+        """Return the depth from which points enter a contact set, and to which its gap is closed."""
+        return max(0.3 * tolerance, 4 * np.finfo(float).eps * self._largest_height)
+
     def _trials(self, displacement: np.ndarray, floor: float) -> Iterator[np.ndarray]:
         """Yield flat pressures to try: along conjugate gradients, then the gradient, on which a short step falls."""
-        pressure, heights, contact = self.pressure.reshape(-1), self.heights.reshape(-1), self.contact.reshape(-1)
-        residual = self._residual.reshape(-1)
+        heights, contact, pressure, residual = self._flat
         mean = kernels.offset(displacement, heights, contact)
         largest = kernels.residual(displacement, heights, mean, contact, residual)
         before, downhill = pressure.copy(), residual.copy()
@@ -229,8 +217,7 @@ class ContactLevel:
         for fraction in FRACTIONS:
             yield before + fraction * change
         length, stiffness_q = self.single.largest, self._double.stiffness * self.grid.points
-        softest = 0.5 * float(stiffness_q[stiffness_q > 0].min())
-        while length > softest:
+        while length > 0.5 * float(stiffness_q[stiffness_q > 0].min()):
             yield before + length * downhill
             length *= 0.5
 
@@ -245,7 +232,8 @@ class ContactLevel:
         np.greater(self.pressure, 0, out=self.contact)
         if self._bound * np.count_nonzero(self.contact) <= total:
             np.isfinite(self.heights, out=self.contact)
-        kernels.carry(self.pressure.reshape(-1), self.contact.reshape(-1), self._bound, total)
+        _, contact, pressure, _ = self._flat
+        kernels.carry(pressure, contact, self._bound, total)
 
     def indentation(self) -> np.ndarray | None:
         """Return the plastic indentation of each point; None without any."""

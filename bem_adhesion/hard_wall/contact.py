@@ -51,33 +51,31 @@ class HardWallContact:
         trace: Trace | None = None,
     ):
         self.elasticity = elasticity_of(elasticity)
-        finite = ~np.isneginf(height)
         check_arguments(grid, control, tolerance, max_iterations, self.elasticity)
         self.turn = RLock()
-        self.control = control
-        self.tolerance = tolerance
-        self.max_iterations = max_iterations
+        self.control, self.tolerance, self.max_iterations = control, tolerance, max_iterations
         self.grid = grid
         self.hardness = np.inf if hardness is None else positive("hardness", hardness, "Pa")
         self._height = height
+        finite = ~np.isneginf(height)
         self._bounded = bool(finite.all())
         present = height if self._bounded else height[finite]
-        self._share = present.size / height.size
-        self._mean_height = float(present.mean())
+        self._share, self._mean_height = present.size / height.size, float(present.mean())
         rms_height = float(present.std())
         self._unit = unit or rms_height
         self._rounding = float(np.finfo(float).eps * max(present.max(), -present.min()))
         self._flat = self._bounded and rms_height <= self._rounding
+        self._period = max(grid.size)
         self._threads, self._work = threads, Work(grid.points, trace)
         self._unit_of_level = 0.0
         if not self._flat:
-            self._scale_to(self._unit or max(grid.size))
+            self._scale_to(self._unit or self._period)
 
     def _scale_to(self, unit: float) -> None:
         """Make a level in this unit of heights (m)."""
         if unit == self._unit_of_level:
             return
-        period, modulus = max(self.grid.size), self.elasticity.contact_modulus
+        period, modulus = self._period, self.elasticity.contact_modulus
         self._unit_of_level, self._pressure_unit = unit, modulus * unit / period
         grid = Grid(self.grid.shape, (self.grid.size[0] / period, self.grid.size[1] / period))
         heights = self._height - self._mean_height
@@ -102,37 +100,32 @@ class HardWallContact:
             return np.inf if touching.all() else 0.0
         single = self._level.single
         shift = typical_wavenumber(np.where(np.isfinite(self._height), self._height, self._mean_height), self.grid)
-        shift *= 0.5 * max(self.grid.size)  # K of that wave in units of the modulus over the period
+        shift *= 0.5 * self._period  # K of that wave in units of the modulus over the period
         curvature = np.where(touching, np.float32(PINNED * single.largest), np.float32(0))
         found = LinearisedContact(single, shift).mean_stiffness(curvature, touching)
-        return found * self.elasticity.contact_modulus / max(self.grid.size)
+        return found * self.elasticity.contact_modulus / self._period
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """Find the contact at a load, see :meth:`Contact.step`; the state, a pressure (Pa), only changes the work."""
         state, target = step_arguments(self.control, target, state, self.grid.shape)
-        self._check_target(target)
-        solve = {"pressure": self._at_pressure, "gap": self._at_gap, "approach": self._at_approach}[self.control]
-        before = self._work.pairs
-        return replace(solve(state, target), fft_pairs=self._work.pairs - before)
-
-    def _check_target(self, target: float) -> None:
-        if self.control == "approach":
-            return
-        if target < 0:
+        if target < 0 and self.control != "approach":
             raise ValueError(f"target = {target:g}: a hard wall without adhesion has no negative mean {self.control}")
         if self.control == "pressure" and target >= self._share * self.hardness:
             asked = target / self._share  # with free boundaries on the surface alone
             raise ValueError(f"target = {asked:g}: no state carries the hardness, {self.hardness:g} Pa, or more")
         if self.control == "gap" and target == 0 and np.isfinite(self.hardness):
             raise ValueError("target = 0: with a hardness surfaces close at no one pressure; give a gap above zero")
+        solve = {"pressure": self._at_pressure, "gap": self._at_gap, "approach": self._at_approach}[self.control]
+        before = self._work.pairs
+        return replace(solve(state, target), fft_pairs=self._work.pairs - before)
 
     def _at_pressure(self, state: np.ndarray, mean_pressure: float) -> Solution:
         if self._flat:
             return self._solution(np.full(self.grid.shape, mean_pressure), np.zeros(self.grid.shape))
         if mean_pressure == 0:
             return self._apart(float(self._height.max()))
-        unit = self._unit_at(mean_pressure / self._share * max(self.grid.size) / self.elasticity.contact_modulus)
+        unit = self._unit_at(mean_pressure / self._share * self._period / self.elasticity.contact_modulus)
         self._scale_to(unit)
         level, load = self._level, mean_pressure / self._pressure_unit
         # An earlier state, without its tension, that carries nearly that load.

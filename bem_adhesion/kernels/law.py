@@ -74,10 +74,7 @@ class LawKernels:
         return total
 
     def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
-        """Write −(pressing + φ' + pressure) into ``right_side``; raise ``curvature`` where points are out of balance.
-
-        Returns Σ (½ pressing + pressure)·d, max|gradient|, Σ gradient² and Σ gradient.
-        """
+        """Write −gradient, raise ``curvature``; return Σ (½ pressing + pressure)·d, max|gradient|, Σ of squares, Σ."""
         law = self.law
         # Repulsion alone is convex: it needs no caution, and its peak is not beyond its equilibrium.
         peak = law.peak_distance if law.attracts else np.inf
@@ -86,9 +83,8 @@ class LawKernels:
     def advance(self, gap: np.ndarray, step: np.ndarray, limit: float, out: np.ndarray) -> None:
         """Write the gap after a Newton step, moving each point in the variable in which it is nearly linear.
 
-        A point in repulsion moves by ``step`` in its linearised traction φ' + φ''·step, from which the gap follows by
-        :meth:`TractionLaw.repulsive_gap`; another in its gap, into repulsion along the tangent at equilibrium, down to
-        a pressure of LANDING times the law's peak. Otherwise one point deep in repulsion would shorten all steps.
+        A point in repulsion moves in its linearised traction φ' + φ''·step; another in its gap, into repulsion along
+        the tangent at equilibrium, down to LANDING: otherwise one point deep in repulsion would shorten all steps.
         """
         law = self.law
         equilibrium, tangent = law.equilibrium_distance, law.equilibrium_stiffness
@@ -191,13 +187,12 @@ class DugdaleKernels(WallKernels):
 
 @cache
 def _evaluation(exponent: int) -> Callable[..., float]:
-    """Compile :meth:`LawKernels.evaluate` for one exponent: as an argument it keeps loops from being vectorised."""
+    """Compile :meth:`LawKernels.evaluate`, over the prefactor: an exponent as argument keeps loops from vectorising."""
     low, high = float(exponent), exponent + 6.0
     attraction, repulsion = 1 / (exponent - 1), 1 / (exponent + 5)
 
     @kernel
     def evaluate(gap, length, prefactor, traction, stiffness):
-        """Fill flat arrays; return r0 Σ [s^(m+5)/(m + 5) − s^(m−1)/(m − 1)]."""
         total = 0.0
         for i in range(gap.size):
             s = length / gap[i]
@@ -221,7 +216,6 @@ def _advance(exponent: int) -> Callable[..., None]:
 
     @kernel
     def advance(gap, step, limit, length, landing, out):
-        """Write the gap after a Newton step, see :meth:`LawKernels.advance`."""
         tangent = 6.0 / length
         for i in range(gap.size):
             d = gap[i]

@@ -1,7 +1,7 @@
 """Local energy of the interface: a law or a wall, in a window of the grid or everywhere, and anchor springs."""
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,6 +31,7 @@ class LocalEnergy:
     def __init__(self, law: TractionLaw, largest: float = 1.0, window: Window | None = None):
         self._kernels = kernels_of(law, largest)
         self._window = window
+        self._inside: Any = window or ...
         self._held = self._kernels.held
         self.margin = self._kernels.margin
 
@@ -39,13 +40,11 @@ class LocalEnergy:
         if self._window is None:
             potential = self._kernels.evaluate(gap, traction, stiffness)
         else:
-            inside = np.ascontiguousarray(self._window.inside(gap))
+            inside = np.ascontiguousarray(gap[self._window])
             own_traction, own_stiffness = np.empty_like(inside), np.empty(inside.shape, stiffness.dtype)
             potential = self._kernels.evaluate(inside, own_traction, own_stiffness)
-            traction[...] = 0
-            stiffness[...] = 0
-            self._window.inside(traction)[...] = own_traction
-            self._window.inside(stiffness)[...] = own_stiffness
+            traction[...], stiffness[...] = 0, 0
+            traction[self._window], stiffness[self._window] = own_traction, own_stiffness
         if self.springs is not None:
             spring, anchor = self.springs
             stretch = gap - anchor
@@ -59,7 +58,7 @@ class LocalEnergy:
         if self._window is None:
             result = self._kernels.gradient(pressing, gap, traction, pressure, right_side, curvature)
         else:
-            rows, columns = self._window.slices
+            rows, columns = self._window
 
             def form(here, gradient, *constants):
                 fields = pressing[here], gap[here], traction[here]
@@ -126,7 +125,7 @@ class LocalEnergy:
         if self._held is None:
             return 0.0
         reaction = np.zeros_like(gap)
-        own, pressing, gap = (self._inside(field) for field in (reaction, pressing, gap))
+        own, pressing, gap = reaction[self._inside], pressing[self._inside], gap[self._inside]
         for here in blocks(gap):
             traction = np.empty_like(gap[here])
             self._kernels.evaluate(gap[here], traction, np.empty(traction.shape, np.float32))
@@ -139,19 +138,16 @@ class LocalEnergy:
             self._kernels.advance(gap, step, limit, out)
             return
         np.add(gap, step, out=out)
-        inside, own_step = (np.ascontiguousarray(self._window.inside(field)) for field in (gap, step))
+        inside, own_step = (np.ascontiguousarray(field[self._window]) for field in (gap, step))
         moved = np.empty_like(inside)
         self._kernels.advance(inside, own_step, limit, moved)
-        self._window.inside(out)[...] = moved
-
-    def _inside(self, field: np.ndarray) -> np.ndarray:
-        return field if self._window is None else self._window.inside(field)
+        out[self._window] = moved
 
     def _touching(self, gap: np.ndarray) -> np.ndarray:
         """Return which points touch a wall."""
         touching = np.zeros(gap.shape, bool)
         if self._held is not None:
-            self._inside(touching)[...] = self._inside(gap) == 0
+            touching[self._inside] = gap[self._inside] == 0
         return touching
 
     def _blocks(self, gap: np.ndarray) -> Iterable[tuple[slice, np.ndarray]]:

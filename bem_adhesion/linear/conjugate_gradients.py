@@ -138,16 +138,12 @@ class LinearisedContact:
     """Linear solver on one grid for a shift c (Pa/m): the ``solution`` (m) is in memory ``idle`` between two solves."""
 
     def __init__(
-        self,
-        operator: PeriodicOperator,
-        shift: float,
-        preconditioner: Inverse | None = None,
-        memory: Memory | None = None,
+        self, operator: PeriodicOperator, shift: float, inverse: Inverse | None = None, memory: Memory | None = None
     ):
         self.operator = operator
         self._shift = np.float32(shift)
         self._grid = np.float32(0.5 * operator.largest)
-        self._preconditioner = preconditioner or FourierPreconditioner(operator, shift)
+        self._preconditioner = inverse or FourierPreconditioner(operator, shift)
         arrays = (memory or Memory()).array((3, *operator.grid.shape), np.float32)
         self._residual, self.direction, self.solution = arrays
         self.idle = arrays.reshape(-1).view(np.uint8)
@@ -161,10 +157,7 @@ class LinearisedContact:
         iterations: int,
         total: float = np.inf,
     ) -> LinearResult:
-        """Solve (K + D⁺ + softening·D⁻) x = right side until |residual| <= reduction·|right side| (2-norms).
-
-        ``total`` is the largest |Σ residual| (Pa): a light contact's softest mode, its mean gap, is little of the norm.
-        """
+        """Solve (K + D⁺ + softening·D⁻) x = right side: |residual| <= reduction·|right side|, |Σ residual| <= total."""
         operator, buffer = self.operator, self.operator.field
         weights = self._shift, self._grid
         kept = np.float32(softening)
@@ -195,10 +188,9 @@ class LinearisedContact:
         return CURVATURE_ROUNDING * (local + elastic + CURVATURE_ROUNDING * self.operator.largest * length)
 
     def mean_stiffness(self, curvature: np.ndarray, held: np.ndarray) -> float:
-        """Return −dp/dū (Pa/m): zero without a force, infinite if held everywhere, NaN at a fold.
+        """Return −dp/dū = <x, (K + φ'') x> / <x>² (Pa/m): zero without a force, infinite if held, NaN at a fold.
 
-        Free points follow (K + φ'') x = −dp. Of all x of one mean it has the least energy, so that the error of
-        −dp/dū = <x, (K + φ'') x> / <x>² is the square of that of x, solved for from the rigid displacement.
+        Free points follow (K + φ'') x = −dp, from the rigid displacement; the error is the square of that of x.
         """
         if held.all():
             return np.inf

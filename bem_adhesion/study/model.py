@@ -56,10 +56,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
 def solve_path(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
 ) -> Iterator[InterfaceState | Ensemble]:
-    """Yield the state at each path point from number ``start`` on, by the kind of path in the case.
-
-    ``restart`` is that of the state at point ``start`` − 1; None starts from separation.
-    """
+    """Yield states from path point ``start`` on; ``restart`` is that of the one before, None for separation."""
     if case.solver.path == "overdamped" and case.law.attracts:  # without attraction no state depends on the path
         return overdamped_motion(case, surface, restart, start)
     if isinstance(case.solid, Viscoelastic):

@@ -76,7 +76,7 @@ class OverdampedContact(AdhesiveContact):
         least = max(least, min(finest.rounding(gap), self.tolerance)) or self.tolerance
         accuracy = max(least, min(ACCURACY * self._allowed * stiffness, REDUCTION * force))
         finest.set_anchor_springs(stiffness, gap)
-        result = finest.solve(gap, pressure, accuracy, NEWTON_STEPS, carries=force <= self.tolerance)
+        result = finest.solve(gap.copy(), pressure, accuracy, NEWTON_STEPS, carries=force <= self.tolerance)
         finest.set_anchor_springs(0.0, gap)
         if result.outcome is not Outcome.CONVERGED:
             return None

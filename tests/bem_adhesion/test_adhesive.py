@@ -1,4 +1,5 @@
 import tracemalloc
+from functools import partial
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def test_energy_and_gradient_are_those_of_the_discrete_functional(monkeypatch):
     gap = 1.2 + 0.1 * np.sin(np.random.default_rng(0).standard_normal(gap.shape))
     energy, gradient = energy_and_gradient(gap, load, stiffness_q, the_law)
 
-    solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
+    solver = NewtonSolver(periodic(UNIT), the_law, 0.01, grid)
     state = solver.evaluate(gap, Load(load - 0.01, pressure=0.01))  # a field and a number
     assert state.energy == pytest.approx(energy, rel=1e-13)
     assert state.largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
@@ -105,29 +106,30 @@ def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
     the_law = law().scaled(R0, E_STAR)
     zone = process_zone(1.0, the_law)
     assert zone * R0 == pytest.approx(41e-10, rel=0.01)  # 41 Å by hand from the formula
-    level = MultigridSolver(Grid((96, 96), (24 * zone, 12 * zone)), periodic(UNIT), the_law, 0.01)
+    make = partial(NewtonSolver, periodic(UNIT), the_law, 0.01)
+    level = MultigridSolver(Grid((96, 96), (24 * zone, 12 * zone)), make)
     shapes = []
     while level is not None:
         shapes.append(level.finest.grid.shape)
         level = level.coarser
     # Spacing zone/4, then zone/2; at a whole zone there are fewer points than a prediction needs.
     assert shapes == [(96, 96), (48, 48)]
-    assert MultigridSolver(Grid((95, 96), (2 * zone, 2 * zone)), periodic(UNIT), the_law, 0.01).coarser is None
+    assert MultigridSolver(Grid((95, 96), (2 * zone, 2 * zone)), make).coarser is None
 
 
 def test_not_a_number_is_never_taken_for_a_solution():
     grid, the_law, load, gap = scaled_problem(26, 1.0)
-    found = NewtonSolver(grid, periodic(UNIT), the_law, 0.01).solve(gap, Load(np.nan * load), 1e-8, 20)
+    found = NewtonSolver(periodic(UNIT), the_law, 0.01, grid).solve(gap, Load(np.nan * load), 1e-8, 20)
     assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
 
 
 def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
     grid, the_law, field, start = scaled_problem(128, 4.0)
     load = Load(field)
-    solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.02)
+    solver = NewtonSolver(periodic(UNIT), the_law, 0.02, grid)
     result = solver.solve(start, load, 1e-8, 500)
     assert result.outcome is Outcome.CONVERGED
-    anew = NewtonSolver(grid, periodic(UNIT), the_law, 0.02).evaluate(result.gap, load)
+    anew = NewtonSolver(periodic(UNIT), the_law, 0.02, grid).evaluate(result.gap, load)
     # What rounding in float32 may leave in it is a hundredth of the tolerance.
     assert result.residual == pytest.approx(anew.largest, abs=1e-10)
 

@@ -115,7 +115,7 @@ def test_further_tangent_steps_close_in_within_the_same_limit():
     solver = contact.levels.finest
     start = contact.step(contact.separated(), 1e9).gap / contact.law.length
     load = contact._load(1.01e9 / contact.elasticity.contact_modulus)
-    target = solver.solve(start, load, 1e-10, 50).gap
+    target = solver.solve(start.copy(), load, 1e-10, 50).gap
     one, three = (solver.follow_tangent(start, load, 0.1, steps) for steps in (1, 3))
     # Each linear solve goes to a tenth of the residual.
     assert np.abs(three - target).max() < 0.1 * np.abs(one - target).max()

@@ -1,11 +1,14 @@
 """Which minimum a load step ends in: many grids against one, and both against a slow flow."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.fft import irfft2, rfft2
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.adhesive.local_newton import LocalNewton
+from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.operators import periodic
 from contact_study.physics.solids import HalfSpace
 from contact_study.study.case import realise
@@ -58,7 +61,9 @@ def test_many_grids_and_squares_end_in_the_states_of_one(system, squares):
         these, those = (on_one_grid if squares else contact)(*system, seed), on_one_grid(*system, seed)
         if squares:  # of 40 points, fewer than pay; here it is their states that count
             finest = these.levels.finest
-            finest.corrector = LocalNewton(finest.grid, periodic(HalfSpace(1.0)), finest.law, 0.05)
+            finest.corrector = LocalNewton(
+                finest.grid, partial(NewtonSolver, periodic(HalfSpace(1.0)), finest.law, 0.05)
+            )
         steps = steps_of_both(these, those, system[0], f"seed {seed}")
         saved += [one.fft_pairs / other.fft_pairs for one, other in steps]
     # At least the loading and unloading of all surfaces, and tension that ends in pull-off.
