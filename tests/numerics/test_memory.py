@@ -19,9 +19,8 @@ def test_arrays_lie_side_by_side_in_what_is_lent_and_beyond_it_anew():
 
 
 def test_scratch_is_one_memory_as_large_as_its_largest():
-    scratch = Scratch()
-    large, small = scratch.array((8, 4), np.dtype(np.complex128)), scratch.array((3, 2), np.dtype(np.complex64))
-    larger = scratch.array((9, 9), np.dtype(np.complex128))
+    scratch, kind = Scratch(), np.dtype(np.complex128)
+    large, small, larger = (scratch.array(shape, kind) for shape in ((8, 4), (3, 2), (9, 9)))
     assert np.shares_memory(large, small)
     assert not np.shares_memory(large, larger)
     assert larger.ctypes.data % ALIGNMENT == 0
@@ -34,7 +33,5 @@ def test_inner_product_has_the_same_bits_wherever_the_fields_lie(shape):
     assert inner_product(one, other) == pytest.approx(np.sum(one * other), abs=1e-11)
     single = other.astype(np.float32)[::2]
     assert inner_product(one[::2], single) == pytest.approx(np.sum(one[::2] * single), abs=1e-11)
-    moved = [np.empty(one.size + shift)[shift:].reshape(shape) for shift in range(8)]
-    for field in moved:
-        field[...] = one
+    moved = [np.append(np.empty(shift), one)[shift:].reshape(shape) for shift in range(8)]
     assert len({inner_product(field, other) for field in moved}) == 1

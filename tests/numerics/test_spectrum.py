@@ -77,19 +77,6 @@ def test_weighted_variance_is_a_moment_for_a_power_of_the_wavevector(power):
     np.testing.assert_allclose(TABLE.weighted_variance(lambda q: q**power, q), found, rtol=1e-9)
 
 
-def test_weighted_variance_of_a_weight_that_is_no_power():
-    """On its own function, not on the power law that carries it: a resonance at 5 q_L."""
-
-    def weight(q):
-        return 1 / (1 + (q / Q_L - 5) ** 2)
-
-    expected = sum(
-        quad(lambda x: 2 * np.pi * x * Q_L**2 * weight(x * Q_L) * PAPER.density(x * Q_L), a, b, epsrel=1e-12)[0]
-        for a, b in ((1, 3), (3, 5.5))
-    )
-    assert PAPER.weighted_variance(weight, 5.5 * Q_L) == pytest.approx(expected, abs=0, rel=1e-11)
-
-
 def test_weighted_variance_of_shells_weighs_each_at_its_own_wavevector():
     q, variances = np.array([1.0, 2.0, 5.0]), np.array([3.0, 0.5, 0.1])
     shells = RadialSpectrum(q, variances)
