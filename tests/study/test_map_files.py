@@ -1,4 +1,4 @@
-"""Height maps of many formats, made ready by the keys of the study; what does not fit ends in one line."""
+"""Height maps of many formats; what does not fit ends in one line."""
 
 import numpy as np
 import pytest
@@ -6,207 +6,199 @@ import xarray as xr
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
-from contact_study.study.case import realise
-from contact_study.study.study import make_study
-from tests.study.test_study import TABLE
 
 SIZE = (6e-6, 8e-6)  # y, x
+AXES = {"y": np.arange(6.0), "x": np.arange(8.0)}
+# In nm, with no symmetry that a wrong axis would leave unseen.
+HEIGHTS = np.round(np.random.default_rng(3).normal(0, 20, (6, 8)), 3) + AXES["y"][:, None] - AXES["x"]
+POINTS = np.column_stack([*(part.ravel() for part in np.meshgrid(AXES["x"], AXES["y"])), HEIGHTS.ravel()])
 
 
-@pytest.fixture
-def heights():
-    """In nm, with no symmetry that a wrong axis would leave unseen."""
-    return np.round(np.random.default_rng(3).normal(0, 20, (6, 8)), 3) + np.arange(6)[:, None] - np.arange(8)
-
-
-def surface(folder, name, **keys):
-    table = {
-        "surface": {"kind": "file", "path": name, **keys},
-        "material": TABLE["material"],
-        "interaction": {"law": "hard_wall"},
-        "loading": TABLE["loading"],
-    }
-    return realise(make_study(table, folder).cases[0])
-
-
-def refused(folder, name, **keys):
+def refused(path, **keys):
     with pytest.raises(InputError) as failure:
-        surface(folder, name, **keys)
+        read_height_map(path, **keys)
     assert "\n" not in str(failure.value)
     return str(failure.value)
 
 
-def taken(found, expected, size=SIZE, rounded=1e-9):
-    np.testing.assert_allclose(found.sampled, expected - expected.mean(), atol=1e-12 * np.ptp(expected))
-    np.testing.assert_allclose(found.size, size, rtol=rounded)
+def taken(path, sides=SIZE, expected=1e-9 * HEIGHTS, rounded=1e-9, **keys):
+    found = read_height_map(path, **keys)
+    np.testing.assert_allclose(found.heights, expected, rtol=1e-12)
+    np.testing.assert_allclose(found.size, sides, rtol=rounded)
+    return found.unit
 
 
-def wsxm_xyz(path, heights):
-    y, x = np.mgrid[:6, :8]
-    lines = [f"{a} {b} {h}" for a, b, h in zip(x.ravel(), y.ravel(), heights.ravel(), strict=True)]
-    path.write_text(
-        "\n".join(["WSxM file copyright UAM", "WSxM ASCII XYZ file", "X[um]\tY[um]\tZ[nm]", "", *lines[::-1]])
-    )
+def text(table):
+    return "\n".join(" ".join(map(str, row)) for row in table[::-1]) + "\n"
 
 
-def rows(heights):
-    return "\n".join(" ".join(map(str, row)) for row in heights[::-1]) + "\n"
+def netcdf(path, heights=HEIGHTS, dims=("y", "x"), lateral="um", names=None, **axes):
+    kinds = {name: ({"units": lateral} if lateral else {}) | ({"axis": names[name]} if names else {}) for name in axes}
+    coordinates = {name: (name, values, kinds[name]) for name, values in axes.items()}
+    xr.Dataset({"height": (dims, heights, {"units": "nm"})}, coordinates).to_netcdf(path)
+    return path
 
 
-def wsxm_matrix(path, heights):
-    head = "WSxM file copyright UAM\nWSxM ASCII Matrix file\n"
-    said = "X Amplitude: 8000 nm\nY Amplitude: 6 µm\nZ Amplitude: 90 nm\n\n"
-    path.write_text(head + said + rows(heights), encoding="utf-8")
+MATRIX = "WSxM ASCII Matrix file\nX Amplitude: 8000 nm\nY Amplitude: 6 µm\nZ Amplitude: 90 nm\n\n" + text(HEIGHTS)
+TEXTS = {
+    "map.xyz": "WSxM file copyright UAM\nWSxM ASCII XYZ file\nX[um]\tY[um]\tZ[nm]\n\n" + text(POINTS),
+    "map.txt": "WSxM file copyright UAM\n" + MATRIX,
+    "map.asc": "# Channel: Height\n# Width: 8.00 µm\n# Height: 6.00 µm\n# Value units: nm\n" + text(HEIGHTS),
+}
 
 
-def gwyddion(path, heights):
-    head = "# Channel: Height\n# Width: 8.00 µm\n# Height: 6.00 µm\n# Value units: nm\n"
-    path.write_text(head + rows(heights), encoding="utf-8")
-
-
-def netcdf(path, heights):
-    units = {"units": "um"}
-    coordinates = {"x": ("x", np.arange(8.0), units), "y": ("y", np.arange(6.0), units)}
-    xr.Dataset({"height": (("x", "y"), heights.T, {"units": "nm"})}, coordinates).to_netcdf(path)
-
-
-@pytest.mark.parametrize(
-    ("name", "write"), [("map.nc", netcdf), ("map.xyz", wsxm_xyz), ("map.txt", wsxm_matrix), ("map.asc", gwyddion)]
-)
-def test_files_that_say_all(tmp_path, heights, name, write):
-    write(tmp_path / name, heights)
-    found = surface(tmp_path, name)
-    taken(found, 1e-9 * heights)
-    assert found.shape == (6, 8)
-    assert read_height_map(tmp_path / name).unit == "nm, its file"
+@pytest.mark.parametrize("name", ["map.nc", *TEXTS])
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])  # the micro sign of old files
+def test_files_that_say_all(tmp_path, name, encoding):
+    path = tmp_path / name
+    if name in TEXTS:
+        path.write_text(TEXTS[name], encoding=encoding)
+    else:
+        netcdf(path, HEIGHTS.T, ("x", "y"), **AXES)
+    assert taken(path) == "nm, its file"
     # What the study repeats is no contradiction; what differs is one, with both in the line.
-    surface(tmp_path, name, size=["6 um", "8.001 um"], height_unit="nm")
-    assert "says 6e-06 x 8e-06" in refused(tmp_path, name, size=["6 um", "7 um"])
-    assert "says nm" in refused(tmp_path, name, height_unit="um")
+    taken(path, (6e-6, 8.001e-6), size=(6e-6, 8.001e-6), height_unit="nm")
+    assert "says 6e-06 x 8e-06" in refused(path, size=(6e-6, 7e-6))
+    assert "says nm" in refused(path, height_unit="um")
 
 
 @pytest.mark.parametrize("name", ["map.npy", "map.npz", "map.dat"])
-def test_bare_tables_are_told_their_size_and_unit(tmp_path, heights, name):
-    if name == "map.npy":
-        np.save(tmp_path / name, heights)
-    elif name == "map.npz":
-        np.savez(tmp_path / name, heights=heights)
-    else:
-        np.savetxt(tmp_path / name, heights, fmt="%.17g")
-    taken(surface(tmp_path, name, size=["6 um", "8 um"], height_unit="nm"), 1e-9 * heights)
-    assert read_height_map(tmp_path / name, "nm", SIZE).unit == "nm, surface.height_unit"
-    assert read_height_map(tmp_path / name, None, SIZE).unit == "m, default"
-    assert "missing key surface.size: how wide is the map?" in refused(tmp_path, name)
-    assert "surface.height_unit" in refused(tmp_path, name, size="6 um", height_unit="N")
-    assert "surface.lateral_unit" in refused(tmp_path, name, size="6 um", lateral_unit="um")
+def test_bare_tables_are_told_their_size_and_unit(tmp_path, name):
+    path = tmp_path / name
+    {"map.npy": np.save, "map.npz": np.savez, "map.dat": np.savetxt}[name](path, HEIGHTS)
+    assert taken(path, size=SIZE, height_unit="nm") == "nm, surface.height_unit"
+    assert taken(path, expected=HEIGHTS, size=SIZE) == "m, default"
+    assert "missing key surface.size: how wide is the map?" in refused(path)
+    assert "surface.height_unit" in refused(path, size=SIZE, height_unit="N")
+    assert "surface.lateral_unit" in refused(path, size=SIZE, lateral_unit="um")
+    if name != "map.npz":
+        assert "holds one map" in refused(path, channel="retrace", size=SIZE)
 
 
-def test_coordinates_without_a_unit(tmp_path, heights):
-    coordinates = {"x": ("x", np.arange(8.0)), "y": ("y", np.arange(6.0))}
-    xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "map.nc")
-    taken(surface(tmp_path, "map.nc", lateral_unit="um"), 1e-9 * heights)
-    assert "missing key surface.lateral_unit: " in refused(tmp_path, "map.nc"), "6 x 8 m are no map"
+@pytest.mark.parametrize(
+    ("turn", "dims", "given"),
+    [
+        (lambda h: h[::-1, ::-1], ("y", "x"), {"y": AXES["y"][::-1], "x": AXES["x"][::-1]}),
+        (lambda h: h[:, ::-1].T, ("x", "y"), {"y": AXES["y"], "x": AXES["x"][::-1]}),
+        (lambda h: h.T, ("u", "v"), {"u": AXES["x"], "v": AXES["y"], "names": {"u": "X", "v": "Y"}}),
+        # Three decimals, and single precision.
+        (lambda h: h, ("y", "x"), {"y": AXES["y"], "x": np.round(AXES["x"] / 3, 3).astype(np.float32)}),
+        (lambda h: h.T, ("x", "y"), {}),
+    ],
+    ids=["both", "turned", "axes", "rounded", "bare"],
+)
+def test_dimensions_and_directions_of_coordinates(tmp_path, turn, dims, given):
+    path = netcdf(tmp_path / "map.nc", turn(HEIGHTS), dims, **given)
+    thirds = given and given.get("x", POINTS).dtype == np.float32
+    size = (6e-6, 8e-6 / 3) if thirds else SIZE
+    taken(path, size, rounded=1e-3 if thirds else 1e-12, **({} if given else {"size": SIZE}))
+
+
+@pytest.mark.parametrize("x", [[*range(7), 7.5], np.zeros(8), [*range(7), np.nan]])
+def test_uneven_coordinates_are_refused(tmp_path, x):
+    path = netcdf(tmp_path / "map.nc", y=AXES["y"], x=np.array(x, float))
+    assert f"coordinate x of {path} is not evenly spaced" in refused(path)
+
+
+def test_coordinates_without_a_unit(tmp_path):
+    path = netcdf(tmp_path / "map.nc", lateral=None, **AXES)
+    taken(path, lateral_unit="um")
+    assert "missing key surface.lateral_unit: " in refused(path), "6 x 8 m are no map"
     # A cell of a size of use may be in metres.
-    xr.open_dataset(tmp_path / "map.nc").assign_coords(x=1e-6 * np.arange(8), y=1e-6 * np.arange(6)).to_netcdf(
-        tmp_path / "metres.nc"
-    )
-    taken(surface(tmp_path, "metres.nc"), 1e-9 * heights)
+    taken(netcdf(tmp_path / "metres.nc", lateral=None, **{name: 1e-6 * values for name, values in AXES.items()}))
     # One coordinate speaks for both.
-    coordinates["x"] = ("x", np.arange(8.0), {"units": "um"})
-    xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "one.nc")
-    taken(surface(tmp_path, "one.nc"), 1e-9 * heights)
+    whole = xr.open_dataset(path)
+    whole.assign_coords(x=("x", AXES["x"], {"units": "um"})).to_netcdf(tmp_path / "one.nc")
+    taken(tmp_path / "one.nc")
 
 
-def test_netcdf_with_the_attributes_of_surfacetopography(tmp_path, heights):
+def test_netcdf_with_the_attributes_of_surfacetopography(tmp_path):
     """``unit``, not ``units``; (x, y); missing heights in a variable of their own; Å as A."""
-    torn = heights.copy()
-    torn[2, 3] = 1e30
-    mask = np.zeros((8, 6), "i1")
+    unit, mask = {"unit": "A"}, np.zeros((8, 6), "i1")
     mask[3, 2] = 1
-    unit = {"unit": "A"}
-    coordinates = {"x": ("x", np.arange(8.0), unit | {"length": 8.0}), "y": ("y", np.arange(6.0), unit)}
-    fields = {"topography": (("x", "y"), torn.T, unit), "mask": (("x", "y"), mask)}
+    coordinates = {name: (name, values, unit) for name, values in AXES.items()}
+    fields = {"topography": (("x", "y"), np.where(mask, 1e30, HEIGHTS.T), unit), "mask": (("x", "y"), mask)}
     xr.Dataset(fields, coordinates).to_netcdf(tmp_path / "other.nc")
     xr.Dataset(fields, coordinates).rename(topography="heights").to_netcdf(tmp_path / "map.nc")
-    np.testing.assert_array_equal(*(read_height_map(tmp_path / name).heights for name in ("other.nc", "map.nc")))
-    found = read_height_map(tmp_path / "map.nc")
-    assert found.size == pytest.approx((6e-10, 8e-10), abs=0, rel=1e-9)
-    assert found.unit == "angstrom, its file"
-    assert np.isnan(found.heights[2, 3])
-    there = ~np.isnan(found.heights)
-    np.testing.assert_allclose(found.heights[there], 1e-10 * np.delete(heights, 2 * 8 + 3), rtol=1e-12)
-    assert "says angstrom" in refused(tmp_path, "map.nc", height_unit="nm")
+    for name in ("other.nc", "map.nc"):
+        expected = np.where(mask.T, np.nan, 1e-10 * HEIGHTS)
+        assert taken(tmp_path / name, (6e-10, 8e-10), expected) == "angstrom, its file"
 
 
-def test_the_micro_sign_of_old_files(tmp_path, heights):
-    wsxm_matrix(tmp_path / "map.txt", heights)
-    text = (tmp_path / "map.txt").read_text(encoding="utf-8")
-    (tmp_path / "map.txt").write_bytes(text.encode("latin-1"))
-    taken(surface(tmp_path, "map.txt"), 1e-9 * heights)
-
-
-def test_esri_grid_and_its_missing_heights(tmp_path, heights):
-    torn = heights.copy()
+def test_esri_grid_and_its_missing_heights(tmp_path):
+    torn = HEIGHTS.copy()
     torn[2, 3] = -9999
     head = "ncols 8\nnrows 6\nxllcorner 0.0\nyllcorner 0.0\ncellsize 1.0\nNODATA_value -9999\n"
-    (tmp_path / "map.asc").write_text(head + rows(torn))
+    (tmp_path / "map.asc").write_text(head + text(torn))
     keys = {"height_unit": "nm", "lateral_unit": "um"}
-    assert "2.1 % of the heights in" in refused(tmp_path, "map.asc", **keys)
-    found = surface(tmp_path, "map.asc", fill="harmonic", **keys)
-    torn[2, 3] = np.mean([torn[1, 3], torn[3, 3], torn[2, 2], torn[2, 4]])
-    # The mean is taken before filling, of the heights that are there, and once more after it.
-    taken(found, 1e-9 * torn)
-    assert found.roughness.filled == pytest.approx(1 / 48, abs=0, rel=1e-9)
+    taken(tmp_path / "map.asc", expected=1e-9 * np.where(torn == -9999, np.nan, torn), **keys)
+    (tmp_path / "map.asc").write_text(head.replace("8", "7", 1) + text(torn))
+    assert "holds 6 x 8 heights, its header says 6 x 7" in refused(tmp_path / "map.asc", **keys)
 
 
-def test_points_in_any_order_with_whole_lines_missing(tmp_path, heights):
-    y, x = np.mgrid[:6, :8]
-    points = np.column_stack([0.1 * x.ravel(), y.ravel() / 3, heights.ravel()])
+def test_points_in_any_order_with_whole_lines_missing(tmp_path):
+    points, path = POINTS * [0.1, 1 / 3, 1], tmp_path / "map.xyz"
     np.random.default_rng(1).shuffle(points)
-    keys = {"height_unit": "nm", "lateral_unit": "nm", "fill": "harmonic"}
-    np.savetxt(tmp_path / "map.xyz", points, fmt="%.4f")  # a third rounds to 0.01 % of a step
-    taken(surface(tmp_path, "map.xyz", **keys), 1e-9 * heights, (2e-9, 0.8e-9), rounded=1e-4)
-    left = points[np.abs(points[:, 0] - 0.3) > 1e-3]
-    np.savetxt(tmp_path / "map.xyz", left, fmt="%.4f")
-    found = surface(tmp_path, "map.xyz", **keys)
-    assert found.shape == (6, 8)
-    assert found.roughness.filled == pytest.approx(1 / 8, abs=0, rel=1e-9)
-    np.savetxt(tmp_path / "map.xyz", np.vstack([points, points[:1]]))
-    assert "two heights for one place" in refused(tmp_path, "map.xyz", **keys)
-    np.savetxt(tmp_path / "map.xyz", points + [[0.02, 0.0, 0.0]] * (points[:, :1] > 0.45))
-    assert "coordinate x of" in refused(tmp_path, "map.xyz", **keys)
+    keys = {"height_unit": "nm", "lateral_unit": "nm"}
+    np.savetxt(path, points, fmt="%.4f")  # a third rounds to 0.01 % of a step
+    taken(path, (2e-9, 0.8e-9), rounded=1e-4, **keys)
+    np.savetxt(path, points[np.abs(points[:, 0] - 0.3) > 1e-3], fmt="%.4f")
+    taken(path, (2e-9, 0.8e-9), np.where(AXES["x"] == 3, np.nan, 1e-9 * HEIGHTS), 1e-4, **keys)
+    np.savetxt(path, np.vstack([points, points[:1]]))
+    assert "two heights for one place" in refused(path, **keys)
+    np.savetxt(path, points + [[0.02, 0.0, 0.0]] * (points[:, :1] > 0.45))
+    assert "coordinate x of" in refused(path, **keys)
 
 
-def test_unknown_formats(tmp_path, capfd):
+def test_unknown_formats(tmp_path, capfd, monkeypatch):
+    path = tmp_path / "map.spm"
+    with monkeypatch.context() as without:
+        without.setitem(__import__("sys").modules, "SurfaceTopography.IO", None)
+        path.write_bytes(b"\0\1\2\3 of some instrument" * 100)
+        assert ".[instruments]" in refused(path, size=SIZE)
     pytest.importorskip("SurfaceTopography", reason="extra instruments")
     # Of 4 x 4 numbers of two bytes would be a tile of elevations, a format that marks itself by its name alone.
     for content in (b"\0\1\2\3 nothing that anyone knows" * 100, b"height of a surface\nis not here\n"):
-        (tmp_path / "map.spm").write_bytes(content)
-        said = refused(tmp_path, "map.spm", size="1 um")
+        path.write_bytes(content)
+        said = refused(path, size=SIZE)
         assert "in no format that is known" in said
         assert ".npy, .npz, .nc, .nc4, .netcdf, .xyz, .gz and those of SurfaceTopography" in said
     assert capfd.readouterr() == ("", ""), "the library's own remarks"
 
 
-def test_instruments_need_their_extra(tmp_path, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography.IO", None)
-    (tmp_path / "map.spm").write_bytes(b"\0\1\2\3 of some instrument" * 100)
-    assert ".[instruments]" in refused(tmp_path, "map.spm", size="1 um")
+@pytest.mark.parametrize("name", ["map.nc", "map.npz"])
+def test_several_maps_leave_a_choice(tmp_path, name):
+    fields, path = {"trace": HEIGHTS, "retrace": HEIGHTS + HEIGHTS**2}, tmp_path / name
+    if name == "map.nc":
+        xr.Dataset({name: (("y", "x"), field) for name, field in fields.items()}).to_netcdf(path)
+    else:
+        np.savez(path, **fields, scale=np.ones(3))
+    keys = {"size": SIZE, "height_unit": "nm"}
+    line = refused(path, **keys)
+    assert "surface.channel" in line
+    assert "0: trace, 1: retrace" in line
+    for channel, expected in ((1, fields["retrace"]), ("trace", HEIGHTS)):
+        taken(path, expected=1e-9 * expected, channel=channel, **keys)
+    for channel in (2, "phase"):
+        assert f"surface.channel = {channel!r}" in refused(path, channel=channel, **keys)
 
 
-def test_several_maps_leave_a_choice(tmp_path, heights):
-    xr.Dataset({"trace": (("y", "x"), heights), "retrace": (("y", "x"), heights + 1.0 * heights**2)}).to_netcdf(
-        tmp_path / "map.nc"
-    )
-    np.savez(tmp_path / "map.npz", trace=heights, retrace=heights + heights**2, scale=np.ones(3))
-    for name in ("map.nc", "map.npz"):
-        keys = {"size": ["6 um", "8 um"], "height_unit": "nm"}
-        line = refused(tmp_path, name, **keys)
-        assert "surface.channel" in line
-        assert "0: trace, 1: retrace" in line
-        for channel, expected in ((1, heights + heights**2), ("trace", heights)):
-            taken(surface(tmp_path, name, channel=channel, **keys), 1e-9 * expected)
-        for channel in (2, "phase"):
-            assert f"surface.channel = {channel!r}" in refused(tmp_path, name, channel=channel, **keys)
-    np.save(tmp_path / "one.npy", heights)
-    assert "holds one map" in refused(tmp_path, "one.npy", channel="retrace", size="1 um")
+@pytest.mark.parametrize(
+    ("content", "culprit"),
+    [
+        (None, "does not exist"),
+        (400, "cannot be read"),  # of a truncated NetCDF file
+        (np.full((8, 8), np.nan), "no finite numbers: all of its heights are missing"),
+        (np.zeros(8), "line scan (8 points)"),
+        (np.zeros((3, 8)), "expected at least 4 x 4"),
+        (np.ones((8, 8)) * 1j, "holds complex numbers; expected heights"),
+    ],
+)
+def test_unusable_height_maps(tmp_path, content, culprit):
+    path = tmp_path / ("map.nc" if isinstance(content, int) else "map.npy")
+    if isinstance(content, int):
+        path.write_bytes(netcdf(path).read_bytes()[:content])
+    elif content is not None:
+        np.save(path, content)
+    assert culprit in (line := refused(path))
+    assert str(path) in line

@@ -5,23 +5,13 @@ import gzip
 import numpy as np
 import pytest
 
-from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
-
-HEIGHTS = np.round(np.random.default_rng(5).normal(0, 20, (6, 8)), 3)
-SIZE = (6e-6, 8e-6)
+from tests.study.test_map_files import HEIGHTS, POINTS, SIZE, refused, taken
 
 
 def table(separator, decimal=".", end=""):
     rows = (separator.join(f"{value:.3f}" for value in row) + end for row in HEIGHTS)
     return "\n".join(rows).replace(".", decimal) + "\n"
-
-
-def refused(path, **keys):
-    with pytest.raises(InputError) as failure:
-        read_height_map(path, **keys)
-    assert "\n" not in str(failure.value)
-    return str(failure.value)
 
 
 @pytest.mark.parametrize(
@@ -30,8 +20,7 @@ def refused(path, **keys):
 )
 def test_what_parts_the_numbers_and_their_decimal_sign(tmp_path, separator, decimal, end):
     (tmp_path / "map.csv").write_text("# of a profiler\n" + table(separator, decimal, end))
-    found = read_height_map(tmp_path / "map.csv", height_unit="nm", size=SIZE)
-    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
+    taken(tmp_path / "map.csv", height_unit="nm", size=SIZE)
 
 
 def test_an_empty_cell_is_a_missing_height(tmp_path):
@@ -51,18 +40,13 @@ UM = "# Lateral units: um\n# Value units: nm\n"
     [("", ","), ("x,y,z\n", ";"), ("X[um] Y[um] Z[nm]\n", " "), ("X (um); Y (um); Z (nm)\n", " "), (UM, "\t")],
 )
 def test_three_columns_are_points(tmp_path, head, separator):
-    y, x = np.mgrid[:6, :8]
-    points = np.stack([x.ravel(), y.ravel(), HEIGHTS.ravel()], axis=1)[::-1]
-    rows = "\n".join(separator.join(f"{value:.3f}" for value in row) for row in points)
+    rows = "\n".join(separator.join(f"{value:.3f}" for value in row) for row in POINTS[::-1])
     (tmp_path / "map.txt").write_text(head + rows)
-    bare = "nm" not in head
-    found = read_height_map(tmp_path / "map.txt", **({"height_unit": "nm", "lateral_unit": "um"} if bare else {}))
-    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
-    assert found.size == pytest.approx(SIZE, abs=0, rel=1e-9)
-    if bare:
-        assert "missing key surface.lateral_unit" in refused(tmp_path / "map.txt", height_unit="nm")
+    if "nm" in head:
+        assert taken(tmp_path / "map.txt") == "nm, its file"
     else:
-        assert found.unit == "nm, its file"
+        taken(tmp_path / "map.txt", height_unit="nm", lateral_unit="um")
+        assert "missing key surface.lateral_unit" in refused(tmp_path / "map.txt", height_unit="nm")
 
 
 @pytest.mark.parametrize(
@@ -89,14 +73,10 @@ def test_what_is_no_map_is_named(tmp_path, text, words):
 
 @pytest.mark.parametrize("name", ["map.npy.gz", "map.csv.GZ"])
 def test_compressed_files(tmp_path, name):
-    if ".npy" in name:
-        np.save(tmp_path / "map.npy", HEIGHTS)
-        content = (tmp_path / "map.npy").read_bytes()
-    else:
-        content = table(",").encode()
+    np.save(tmp_path / "map.npy", HEIGHTS)
+    content = (tmp_path / "map.npy").read_bytes() if ".npy" in name else table(",").encode()
     (tmp_path / name).write_bytes(gzip.compress(content))
-    found = read_height_map(tmp_path / name, height_unit="nm", size=SIZE)
-    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
+    taken(tmp_path / name, height_unit="nm", size=SIZE)
     assert f"{tmp_path / name} holds one map" in refused(tmp_path / name, channel=3, size=SIZE)
     (tmp_path / name).write_bytes(gzip.compress(content)[:-20])
     assert f"{name} cannot be read" in refused(tmp_path / name, size=SIZE)
@@ -125,27 +105,22 @@ def nanoscope(path, *names):
     return 10 / 2**16 * 100e-9 * fields[:, ::-1]  # rows begin at the top
 
 
-def test_the_only_height_is_taken(tmp_path):
-    name = "map.001"
-    fields = nanoscope(tmp_path / name, "Phase", "ZSensor", "AmplitudeError")
-    for channel in (None, 1, "ZSensor"):
-        found = read_height_map(tmp_path / name, channel=channel)
-        np.testing.assert_allclose(found.heights, fields[1], rtol=1e-6)
-        assert found.size == pytest.approx((2e-6, 2e-6), abs=0, rel=1e-9)
-    nanoscope(tmp_path / name, "Phase")
-    assert "holds no map of heights; it has 0: Phase (not a height)" in refused(tmp_path / name)
-
-
-def test_several_heights_leave_a_choice(tmp_path):
-    fields = nanoscope(tmp_path / "map.di", "ZSensor", "AmplitudeError", "Phase", "Height")
+def test_of_an_instruments_channels_the_only_height_is_taken_and_several_leave_a_choice(tmp_path):
+    path = tmp_path / "map.001"
+    fields = nanoscope(path, "Phase", "ZSensor", "AmplitudeError")
+    found = read_height_map(path)
+    np.testing.assert_allclose(found.heights, fields[1], rtol=1e-6)
+    assert found.size == pytest.approx((2e-6, 2e-6), abs=0, rel=1e-9)
+    nanoscope(path, "Phase")
+    assert "holds no map of heights; it has 0: Phase (not a height)" in refused(path)
+    fields = nanoscope(path, "ZSensor", "AmplitudeError", "Phase", "Height")
     listed = "0: ZSensor (height), 1: AmplitudeError (not a height), 2: Phase (not a height), 3: Height (height)"
-    assert f"holds 2 maps of heights ({listed})" in refused(tmp_path / "map.di")
+    assert f"holds 2 maps of heights ({listed})" in refused(path)
     for channel in (3, "Height"):
-        found = read_height_map(tmp_path / "map.di", channel=channel)
-        np.testing.assert_allclose(found.heights, fields[3], rtol=1e-6)
-    none = f"there is no such channel; {tmp_path / 'map.di'} has {listed}"
+        np.testing.assert_allclose(read_height_map(path, channel=channel).heights, fields[3], rtol=1e-6)
+    none = f"there is no such channel; {path} has {listed}"
     for channel, words in (("Phase", "is no map of heights; "), (1, "is no map of heights; "), ("X", none), (4, none)):
-        assert f"{channel!r}: {words}" in refused(tmp_path / "map.di", channel=channel)
+        assert f"{channel!r}: {words}" in refused(path, channel=channel)
 
 
 def test_a_line_scan_of_an_instrument_is_named(tmp_path):

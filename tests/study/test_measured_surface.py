@@ -8,7 +8,8 @@ from contact_study.physics.roughness.statistics import SelfAffineFit
 from contact_study.study.case import realise
 from contact_study.study.checks import describe_maps, described, law_in_words, map_warnings, review
 from contact_study.study.study import make_study
-from tests.study.test_study import TABLE, changed
+from tests.study.test_map_preparation import study
+from tests.study.test_study import changed
 
 
 @pytest.fixture(scope="module")
@@ -20,11 +21,9 @@ def heights():
     return realise(make_study(table).cases[0]).sampled
 
 
-def study_of(folder, heights, **keys):
+def study_of(folder, heights, size="2 um", **keys):
     np.save(folder / "map.npy", heights)
-    surface = {"kind": "file", "path": "map.npy", "size": "2 um", **keys}
-    table = {"material": TABLE["material"], "interaction": {"law": "hard_wall"}, "loading": TABLE["loading"]}
-    return make_study({**table, "surface": surface}, folder)
+    return study(folder, size=size, **keys)
 
 
 def notes(folder, heights, **keys):
@@ -66,15 +65,10 @@ def test_points_or_waves_that_are_left_out_do_not_count(tmp_path, heights):
     assert fewer == pytest.approx(lowpass, abs=0, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("hurst", "uncertainty", "words"),
-    [
-        (1.9, 0.1, "C falls as q^-5.8 ± 0.2, steeper, as of filtered surfaces"),
-        (-0.7, 0.1, "C falls as q^-0.6 ± 0.2, flatter, as of noise"),
-    ],
-)
-def test_laws_that_are_no_self_affine_surfaces(hurst, uncertainty, words):
-    assert law_in_words(SelfAffineFit(hurst, uncertainty, 1e7, 1e9, 1e-30)).startswith(words)
+def test_laws_that_are_no_self_affine_surfaces():
+    steep, flat = (law_in_words(SelfAffineFit(hurst, 0.1, 1e7, 1e9, 1e-30)) for hurst in (1.9, -0.7))
+    assert steep.startswith("C falls as q^-5.8 ± 0.2, steeper, as of filtered surfaces")
+    assert flat.startswith("C falls as q^-0.6 ± 0.2, flatter, as of noise")
 
 
 def test_heights_of_the_wrong_order(tmp_path, heights):
@@ -104,10 +98,8 @@ def test_noise_of_single_points(tmp_path, heights):
 def test_what_was_taken_is_said_once_for_each_map(tmp_path, heights):
     torn = heights.copy()
     torn[:10, :100] = np.nan
-    table = study_of(tmp_path, torn, fill="harmonic").table
-    table["sweep"] = {"material.poissons_ratio": [0.2, 0.3]}
-    study = make_study(table, tmp_path)
-    lines = describe_maps(study.cases)
+    table = study_of(tmp_path, torn, fill="harmonic").table | {"sweep": {"material.poissons_ratio": [0.2, 0.3]}}
+    lines = describe_maps(make_study(table, tmp_path).cases)
     assert len(lines) == 3
     assert "512 x 512 points, spacing 3.906 x 3.906 nm, size 2 x 2 µm (y, x), 0.381 % filled" in lines[0]
     said = float(lines[1].partition("h_rms ")[2].partition(" nm")[0])
@@ -116,7 +108,6 @@ def test_what_was_taken_is_said_once_for_each_map(tmp_path, heights):
 
 
 def test_a_flat_map_is_described(tmp_path):
-    study = study_of(tmp_path, np.zeros((8, 8)))
-    (scales,) = study.scales
-    assert "h_rms 0 pm" in described(scales.measured)[1]
-    assert review(study) == []
+    flat = study_of(tmp_path, np.zeros((8, 8)))
+    assert "h_rms 0 pm" in described(flat.scales[0].measured)[1]
+    assert review(flat) == []

@@ -1,12 +1,8 @@
 """Surfaces: one height function for all models, whatever the grid."""
 
-import dataclasses
-
 import numpy as np
 import pytest
-import xarray as xr
 
-from contact_study.inputs.errors import InputError
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.study.test_study import changed
@@ -66,76 +62,3 @@ def test_wave_and_sphere_and_plane():
     dy, dx = 104e-9 / 64, 52e-9 / 32
     assert rectangle.mean() == pytest.approx(-(dy**2 + dx**2) / (12 * 1e-6), abs=0, rel=1e-9)
     assert np.all(realise(case(kind="flat")).heights((5, 6)) == 0)
-
-
-@pytest.fixture
-def bumps():
-    return realise(case(shape=[24, 20], cutoff_mode=4)).heights((24, 20))
-
-
-def map_case(tmp_path, heights, dims, axes=None, **coordinates):
-    """The case of a NetCDF map; ``axes`` are attributes that name the axes of the dimensions."""
-    kinds = {name: {"units": "nm"} | ({"axis": axes[name]} if axes else {}) for name in coordinates}
-    coordinates = {name: (name, np.asarray(values), kinds[name]) for name, values in coordinates.items()}
-    xr.Dataset({"height": (dims, heights, {"units": "m"})}, coordinates).to_netcdf(tmp_path / "map.nc")
-    table = changed("surface", kind="file", path="map.nc")
-    del table["surface"]["shape"]
-    if coordinates:
-        del table["surface"]["size"]
-    table["interaction"] = {"law": "hard_wall"}
-    return make_study(table, tmp_path).cases[0]
-
-
-Y, X = np.arange(24.0), 0.5 * np.arange(20.0)
-
-
-@pytest.mark.parametrize(
-    ("turn", "dims", "given"),
-    [
-        (lambda h: h[::-1, ::-1], ("y", "x"), {"y": Y[::-1], "x": X[::-1]}),
-        (lambda h: h[:, ::-1].T, ("x", "y"), {"y": Y, "x": X[::-1]}),
-        (lambda h: h.T, ("u", "v"), {"u": X, "v": Y, "axes": {"u": "X", "v": "Y"}}),
-        # Three decimals, and single precision.
-        (lambda h: h, ("y", "x"), {"y": Y, "x": np.round(X / 3, 3).astype(np.float32)}),
-        (lambda h: h.T, ("x", "y"), {}),
-    ],
-    ids=["both", "turned", "axes", "rounded", "bare"],
-)
-def test_dimensions_and_directions_of_coordinates(tmp_path, bumps, turn, dims, given):
-    surface = realise(map_case(tmp_path, turn(bumps), dims, **given))
-    assert surface.shape == (24, 20)
-    if given:
-        x = 10e-9 / 3 if dims == ("y", "x") and given["x"].dtype == np.float32 else 10e-9
-        np.testing.assert_allclose(surface.size, (24e-9, x), rtol=1e-3 if x < 10e-9 else 1e-12)
-    np.testing.assert_allclose(surface.heights((24, 20)), bumps - bumps.mean(), atol=1e-22)
-
-
-@pytest.mark.parametrize("x", [[*range(19), 19.5], np.zeros(20), [*range(19), np.nan]])
-def test_uneven_coordinates_are_refused(tmp_path, bumps, x):
-    with pytest.raises(InputError, match=r"coordinate x .* not evenly spaced"):
-        realise(map_case(tmp_path, bumps, ("y", "x"), y=np.arange(24.0), x=x))
-
-
-@pytest.mark.parametrize(
-    ("content", "culprit"),
-    [
-        (None, "does not exist"),
-        (400, "cannot be read"),  # of a truncated NetCDF file
-        (np.full((8, 8), np.nan), "no finite numbers: all of its heights are missing"),
-        (np.zeros(8), r"line scan \(8 points\)"),
-        (np.zeros((3, 8)), "expected at least 4 x 4"),
-        (np.ones((8, 8)) * 1j, "holds complex numbers; expected heights"),
-    ],
-)
-def test_unusable_height_maps(tmp_path, bumps, content, culprit):
-    path = tmp_path / ("map.nc" if isinstance(content, int) else "map.npy")
-    if isinstance(content, int):
-        xr.Dataset({"height": (("y", "x"), bumps)}).to_netcdf(path)
-        path.write_bytes(path.read_bytes()[:content])
-    elif content is not None:
-        np.save(path, content)
-    chosen = dataclasses.replace(case(kind="file", path=path.name), directory=tmp_path)
-    with pytest.raises(InputError, match=culprit) as failure:
-        realise(chosen)
-    assert path.name in str(failure.value)
-    assert "\n" not in str(failure.value)
