@@ -17,10 +17,9 @@ from types import ModuleType
 
 from contact_study.report.align import regime
 from contact_study.report.align.regime import MEANINGS
-from contact_study.results import constants, schema
-from contact_study.results.constants import CONSTANTS, ROUGHNESS
+from contact_study.results import schema
 from contact_study.results.observables import OBSERVABLES
-from contact_study.results.schema import COORDINATES, OF_A_MEAN, VARIABLES
+from contact_study.results.schema import CONSTANTS, COORDINATES, OF_A_MEAN, VARIABLES
 from contact_study.study.schema.dotted_keys import SECTIONS, all_keys
 from contact_study.study.schema.keys import TaggedUnion, as_written, keys_of
 from scripts.harness import ROOT, Option, head, program
@@ -121,8 +120,7 @@ def _known(name: str) -> tuple[str, str, str]:
             known = observable.variables[name]
             return known.units, known.long_name, _file(sys.modules[observable.read.__module__])
     known = {**VARIABLES, **COORDINATES}[name]
-    homes = {constants: {**CONSTANTS, **ROUGHNESS}}
-    return known.units, known.long_name, _file(next((home for home, own in homes.items() if name in own), schema))
+    return known.units, known.long_name, _file(schema)
 
 
 def _home(section: str, key: str) -> ModuleType:

@@ -13,7 +13,7 @@ from contact_study.physics.process_zone import process_zone
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results import overdamped_path
-from contact_study.results.constants import heights_on
+from contact_study.results.schema import heights_on
 from contact_study.results.state import Ensemble, InterfaceState, Value
 from contact_study.study.case import Case
 

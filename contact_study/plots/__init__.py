@@ -6,16 +6,17 @@ pyplot's state or any setting.
 
 from contact_study.plots.criteria import criteria_map
 from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
-from contact_study.plots.cuts import atoms, section
-from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
-from contact_study.plots.deviation_map import deviations
-from contact_study.plots.magnification import (
+from contact_study.plots.densities import (
     area_by_magnification,
     detachment_stress,
     effective_work_of_adhesion,
+    gap_distribution,
     stress_by_magnification,
+    stress_distribution,
+    surface_spectrum,
 )
-from contact_study.plots.maps import contact_map, gap_map, height_map, pressure_map
+from contact_study.plots.deviation_map import deviations
+from contact_study.plots.maps import atoms, contact_map, gap_map, height_map, pressure_map, section
 
 __all__ = [
     "area_by_magnification",

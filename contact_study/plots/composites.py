@@ -1,6 +1,6 @@
 """Figures of one state, composed of the pictures of this package."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import xarray as xr
 from matplotlib.axes import Axes
@@ -51,10 +51,10 @@ def interface(state: xr.Dataset, words: str = "") -> Figure:
 
 
 @styled
-def atom_section(state: xr.Dataset, words: str = "") -> Figure:
-    """Section through the bottom layer's atoms over the substrate's sites, where tension is largest."""
-    figure = Figure(figsize=(DOUBLE, 2.2), layout="constrained")
-    plots.atoms(state, axes=figure.subplots())
+def wide(draw: Callable[..., Axes], dataset: xr.Dataset, height: float, words: str = "") -> Figure:
+    """One picture across the page, ``height`` inches high."""
+    figure = Figure(figsize=(DOUBLE, height), layout="constrained")
+    draw(dataset, axes=figure.subplots())
     if words:
         figure.suptitle(typeset(words), fontsize=8.5)
     return figure
@@ -66,15 +66,12 @@ def magnification(states: xr.Dataset, mapped: xr.Dataset, words: str = "", named
     with_map = "pressure_pdf_at" in mapped
     figure = Figure(figsize=(DOUBLE, 5.2 if with_map else 2.7), layout="constrained")
     panels: dict[str, Axes] = figure.subplot_mosaic([["a", "b"], ["c", "d"]] if with_map else [["a", "b", "c"]])
-    plots.area_by_magnification(states, panels["a"])
-    plots.detachment_stress(states, panels["b"])
-    plots.effective_work_of_adhesion(states, panels["c"])
-    for letter in "abc":
-        legend = panels[letter].get_legend()
-        if legend is not None and letter != "a":
-            legend.remove()
-        for text in legend.get_texts() if legend is not None else ():
-            text.set_text(typeset(text.get_text()))
+    curves = plots.area_by_magnification, plots.detachment_stress, plots.effective_work_of_adhesion
+    legends = [draw(states, panels[letter]).get_legend() for letter, draw in zip("abc", curves, strict=True)]
+    for legend in filter(None, legends[1:]):
+        legend.remove()
+    for text in legends[0].get_texts() if legends[0] else ():
+        text.set_text(typeset(text.get_text()))
     if with_map:
         plots.stress_by_magnification(mapped, panels["d"])
     for letter, axes in panels.items():
@@ -91,12 +88,4 @@ def loops(cycles: Mapping[str, xr.Dataset]) -> Figure:
         plots.hysteresis_loop(cycle, axes)
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))
         axes.set_title(typeset(label), fontsize=8.5)
-    return figure
-
-
-@styled
-def criteria(theory: xr.Dataset) -> Figure:
-    """The contact among the criteria of sticking."""
-    figure = Figure(figsize=(DOUBLE, 3.2), layout="constrained")
-    plots.criteria_map(theory, figure.subplots())
     return figure

@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE
 from contact_study.plots.selection import label, require
-from contact_study.plots.style import COLOURS, DOUBLE, axes_of, picture
+from contact_study.plots.style import COLOURS, DOUBLE, axes_of, picture, plain_decades
 
 # Of a criterion: its variable, its name, its marker, and whether it was made for large Tabor parameters.
 _CRITERIA = (
@@ -19,7 +18,7 @@ _CRITERIA = (
     ("dmt_tension_ratio", "DMT tension", "D", False),
     ("bearing_area_ratio", "bearing-area model", "o", False),
 )
-_BESIDE: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "fontsize": 6.5, "color": "#606060"}
+_BESIDE: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "fontsize": 6.5}
 
 
 @picture("Of the theories, every point of its sweep a column, or ``theory.stickiness(...).to_dataset()``.")
@@ -48,36 +47,25 @@ def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") 
             continue
         axes.plot([tabor, tabor], [min(ratios), max(ratios)], "-", color="#909090", lw=0.8, zorder=2)
         for number, (ratio, (_, _, marker, large)) in enumerate(zip(ratios, _CRITERIA, strict=True)):
-            colour = COLOURS[number]
-            fits = (tabor > 1) == large
-            axes.plot(tabor, ratio, marker, color=colour, mfc=colour if fits else "white", ms=5.5, mew=1.1, zorder=3)
+            fill = COLOURS[number] if (tabor > 1) == large else "white"
+            axes.plot(tabor, ratio, marker, color=COLOURS[number], mfc=fill, ms=5.5, mew=1.1, zorder=3)
         words = [label(dataset[dim], dataset[dim].values[k]) for dim, k in at.items() if dim in dataset.coords]
-        axes.annotate(
-            "\n".join(filter(None, (name, *words))),
-            (tabor, max(ratios)),
-            xytext=(-5, 0),  # beside it: above it the next column's line may run through
-            textcoords="offset points",
-            ha="right",
-            va="center",
-            fontsize=6.5,
-        )
+        column = "\n".join(filter(None, (name, *words)))
+        # Beside it: above it the next column's line may run through.
+        axes.annotate(column, (tabor, max(ratios)), xytext=(-5, 0), va="center", **_BESIDE)
     _fit(axes)
     return axes
 
 
 def _draw_regions(axes: Axes) -> None:
-    axes.set(
-        xscale="log",
-        yscale="log",
-        xlabel=r"Tabor parameter of the finest roughness $\mu$",
-        ylabel=r"$\Delta\gamma$ over that which sticks",
-    )
+    axes.set(xscale="log", xlabel=r"Tabor parameter of the finest roughness $\mu$")
+    axes.set(yscale="log", ylabel=r"$\Delta\gamma$ over that which sticks")
     axes.axhline(1, color="#404040", lw=0.9, zorder=1)
-    axes.axvspan(1e-12, DMT_LIKE, color="#f2f2f2", lw=0, zorder=0, gid="limit")
-    axes.axvspan(JKR_LIKE, 1e12, color="#f2f2f2", lw=0, zorder=0, gid="limit")
-    for words, x, side in (("DMT-like", 0.02, "left"), ("JKR-like", 0.98, "right")):
+    regions = ("DMT-like", 0.02, "left", (1e-12, DMT_LIKE)), ("JKR-like", 0.98, "right", (JKR_LIKE, 1e12))
+    for words, x, side, ends in regions:
+        axes.axvspan(*ends, color="#f2f2f2", lw=0, zorder=0, gid="limit")
         axes.text(x, 0.97, words, transform=axes.transAxes, ha=side, va="top", fontsize=6.5, color="#606060")
-    axes.annotate("sticks", (0.99, 1), xycoords=("axes fraction", "data"), xytext=(0, 3), **_BESIDE)
+    axes.annotate("sticks", (0.99, 1), xycoords=("axes fraction", "data"), xytext=(0, 3), color="#606060", **_BESIDE)
     for number, (_, words, marker, _) in enumerate(_CRITERIA):
         axes.plot([], [], marker, color=COLOURS[number], ms=5.5, label=words)
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -90,6 +78,4 @@ def _fit(axes: Axes) -> None:
     axes.set_xlim(min(0.2 * low[0], 0.5 * DMT_LIKE), max(2 * high[0], 2 * JKR_LIKE))
     axes.set_ylim(min(0.5 * low[1], 0.5), max(6 * high[1], 2))
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator())
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter(NullFormatter())
+        plain_decades(axis, False)

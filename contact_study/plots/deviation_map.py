@@ -6,12 +6,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.plots.selection import UNLOADING, lines, require
-from contact_study.plots.style import DOUBLE, axes_of, length_unit, pressure_unit, styled
+from contact_study.plots.style import DOUBLE, axes_of, length_unit, picture, pressure_unit
 
 _DARK = 0.55  # of the colours' range, from which white letters read better
 
 
-@styled
+@picture('Group ``deviations`` of a comparison: ``xarray.open_dataset("comparison.nc", group="deviations")``.')
 def deviations(
     dataset: xr.Dataset, pair: str, quantity: str = "relative_contact_area", axes: Axes | None = None
 ) -> Axes:
@@ -19,30 +19,10 @@ def deviations(
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Group ``deviations`` of a comparison: ``xarray.open_dataset("comparison.nc", group="deviations")``.
     pair : str
         A value of its coordinate ``pair``, such as ``"continuum - atomistic"``.
     quantity : str, optional
         ``"relative_contact_area"``, ``"mean_gap"`` or ``"elastic_energy"``.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the dataset has no such quantity, or no such pair.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.deviations(xr.open_dataset("comparison.nc"))  # doctest: +SKIP
     """
     name = f"{quantity}_relative_deviation"
     require(dataset, name)

@@ -6,7 +6,7 @@ distinguishes the models, too.
 
 import io
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import matplotlib
@@ -18,11 +18,10 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from matplotlib.transforms import ScaledTranslation
 
 from contact_study.plots.paths import ERROR, Curve, Look, draw_path, draw_strip, error_band
-from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, SINGLE, STYLE, styled
+from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, SINGLE, STYLE, plain_decades, styled
 
 STATE_COLOURS = ("#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#D55E00")
 """Colours of the states of one point of a sweep."""
@@ -80,12 +79,11 @@ def panels_figure(panels: Sequence[Panel], strips: str = "", note: str = "", hei
     every = list(figure.subplots(1, len(panels), squeeze=False, sharey=densities)[0])
     for letter, axes, panel in zip("abcd", every, panels, strict=False):
         panel_heading(axes, letter if len(panels) > 1 else "", panel.heading)
-        colours = _Colours(panel)
         if densities:
-            _draw_densities(axes, panel, colours)
-            _colour_legend(axes, panel, colours.by_number, 0.42 * DOUBLE)
+            _draw_densities(axes, panel)
+            _colour_legend(axes, panel, 0.42 * DOUBLE)
         else:
-            _draw_paths(axes, panel, colours)
+            _draw_paths(axes, panel)
         axes.set(xlabel=panel.x_label, ylabel=panel.y_label if axes is every[0] or not densities else "")
         if panel.scale != "loglog":
             axes.locator_params(axis="x", nbins=_TICKS)
@@ -98,7 +96,7 @@ def panels_figure(panels: Sequence[Panel], strips: str = "", note: str = "", hei
                 axes.set_xlim(seen.min() - 0.03 * np.ptp(seen), seen.max() + 0.03 * np.ptp(seen))
         axes.set_ylim(0.5 * lowest, 2 * max((float(np.nanmax(c.y, initial=lowest)) for c in curves), default=1.0))
     elif any(curve.label for curve in curves):
-        _colour_legend(figure, panels[0], _Colours(panels[0]).by_number, 0.96 * width)
+        _colour_legend(figure, panels[0], 0.96 * width)
     _model_legend(figure, panels, strips, note)
     return figure
 
@@ -156,42 +154,38 @@ def palette(colours: tuple[str, ...], curves: Sequence[Curve]) -> list[Any]:
     return list(matplotlib.colormaps["viridis"](np.linspace(0, 0.93, count)))
 
 
-class _Colours:
-    """The colour of each curve and band: that of its point of the sweep, or with a single point of its model."""
-
-    def __init__(self, panel: Panel):
-        self.swept = panel.densities or any(curve.label for curve in panel.curves)
-        self.by_number = palette(panel.colours, [*panel.curves, *panel.strips])
-
-    def __getitem__(self, drawn: Curve | Band) -> Any:
-        return self.by_number[drawn.colour] if self.swept else drawn.look.colour
+def _colour(panel: Panel, drawn: Curve | Band) -> Any:
+    """The colour of a curve or band: that of its point of the sweep, or with a single point of its model."""
+    swept = panel.densities or any(curve.label for curve in panel.curves)
+    return palette(panel.colours, [*panel.curves, *panel.strips])[drawn.colour] if swept else drawn.look.colour
 
 
-def _draw_paths(axes: Axes, panel: Panel, colours: _Colours) -> None:
+def _draw_paths(axes: Axes, panel: Panel) -> None:
     shade = axes.fill_betweenx if panel.upright else axes.fill_between
     for band in panel.bands:
         shown = band.along > (-np.inf if panel.scale == "linear" else 0)
-        shade(band.along[shown], band.low[shown], band.high[shown], color=colours[band], alpha=BAND, lw=0)
+        shade(band.along[shown], band.low[shown], band.high[shown], color=_colour(panel, band), alpha=BAND, lw=0)
     for curve in panel.strips:
-        draw_strip(axes, error_band(curve), colours[curve], STRIP, 0.5)
+        draw_strip(axes, error_band(curve), _colour(panel, curve), STRIP, 0.5)
     for curve in panel.curves:
-        draw_path(axes, _shown(curve, panel.scale), curve.look, colours[curve])
+        draw_path(axes, _shown(curve, panel.scale), curve.look, _colour(panel, curve))
     low, high = _window(panel)
     if panel.scale == "linear" and not panel.upright:
         low[1] = 0
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    axes.set(
-        xscale="log" if panel.scale == "loglog" else "linear", yscale="linear" if panel.scale == "linear" else "log"
-    )
-    _label_short_decades(axes, panel.scale)
+    along, up = {"linear": ("linear", "linear"), "log": ("linear", "log"), "loglog": ("log", "log")}[panel.scale]
+    axes.set(xscale=along, yscale=up)
+    for axis, (least, most) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        if axis.get_scale() == "log" and most < 100 * least:  # powers of ten would be one or none
+            plain_decades(axis, True)
     if panel.upright and low[0] < 0:
         axes.axvline(0, color="#909090", lw=0.7, zorder=1)
 
 
-def _draw_densities(axes: Axes, panel: Panel, colours: _Colours) -> None:
+def _draw_densities(axes: Axes, panel: Panel) -> None:
     axes.set_yscale("log")
     for curve in panel.curves:
-        colour, look = colours[curve], curve.look
+        colour, look = _colour(panel, curve), curve.look
         if curve.y_error is not None:
             low, high = curve.y - curve.y_error, curve.y + curve.y_error
             there = low > 0  # else the density may be zero
@@ -204,7 +198,8 @@ def _draw_densities(axes: Axes, panel: Panel, colours: _Colours) -> None:
 
 def _shown(curve: Curve, scale: str) -> Curve:
     """A curve without the states that logarithmic axes do not show."""
-    return curve if scale == "linear" else curve.where((curve.y > 0) & ((curve.x > 0) | (scale == "log")))
+    positive = (curve.y > 0) & ((curve.x > 0) | (scale == "log")) | (scale == "linear")
+    return replace(curve, x=np.where(positive, curve.x, np.nan))
 
 
 def _window(panel: Panel) -> np.ndarray:
@@ -238,25 +233,16 @@ def _smallest_resolved(curves: Sequence[Curve]) -> float:
     return float(max(values.min(), values.max() / 10**_DECADES)) if values.size else 1.0
 
 
-def _label_short_decades(axes: Axes, scale: str) -> None:
-    """Put plain numbers at 1, 2 and 5 on logarithmic axes below two decades, where powers of ten would overlap."""
-    ends = {"loglog": [(axes.xaxis, axes.get_xlim())]}.get(scale, [])
-    for axis, (low, high) in [*ends, (axes.yaxis, axes.get_ylim())] if scale != "linear" else []:
-        if high < 100 * low:
-            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-            axis.set_minor_formatter(NullFormatter())
-
-
-def _colour_legend(place: Axes | Figure, panel: Panel, colours: Sequence[Any], width: float) -> None:
+def _colour_legend(place: Axes | Figure, panel: Panel, width: float) -> None:
     """Explain the colours above a panel's heading, or above all panels; a common beginning of labels is shown once."""
-    names = dict(sorted({curve.colour: curve.label for curve in panel.curves if curve.label}.items()))
-    heads = {label.partition(" = ")[0] for label in names.values()}
-    single = len(heads) == 1 and all(label.count(" = ") == 1 for label in names.values())
+    named = dict(sorted({curve.colour: curve for curve in panel.curves if curve.label}.items())).values()
+    single = len({one.label.partition(" = ")[0] for one in named}) == 1 and all(
+        one.label.count(" = ") == 1 for one in named
+    )
     handles: list[Artist] = []
-    for number, label in names.items():
-        words = label.partition(" = ")[2] if single and handles else label
-        handles.append(Line2D([], [], color=colours[number], lw=3, label=typeset(words)))
+    for one in named:
+        words = one.label.partition(" = ")[2] if single and handles else one.label
+        handles.append(Line2D([], [], color=_colour(panel, one), lw=3, label=typeset(words)))
     where: dict[str, Any] = {"loc": "outside upper center"}
     if isinstance(place, Axes):
         above = place.transAxes + ScaledTranslation(0, _HEADING, place.figure.dpi_scale_trans)
@@ -272,19 +258,9 @@ def _model_legend(figure: Figure, panels: Sequence[Panel], strips: str, note: st
     handles: list[Artist] = []
     for look in {curve.look.label: curve.look for curve in curves}.values():
         alone, colour = look.line == "none", _GREY if swept else look.colour
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color=colour,
-                linestyle=look.line,
-                marker=look.marker if alone or not densities else "",
-                mfc="none" if look.hollow else colour,
-                ms=2.5 if alone and densities else look.marker_size,
-                lw=max(look.line_width, 1.0),
-                label=look.label,
-            )
-        )
+        marker, size = look.marker if alone or not densities else "", 2.5 if alone and densities else look.marker_size
+        line = {"color": colour, "ls": look.line, "lw": max(look.line_width, 1.0), "label": look.label}
+        handles.append(Line2D([], [], marker=marker, ms=size, mfc="none" if look.hollow else colour, **line))
     for look in {own.look.label: own.look for panel in panels for own in panel.bands}.values():
         words = f"{look.label.removesuffix(' theory')} metastable band"
         handles.append(Patch(color=_GREY if swept else look.colour, alpha=BAND, lw=0, label=words))
@@ -296,18 +272,12 @@ def _model_legend(figure: Figure, panels: Sequence[Panel], strips: str, note: st
         handles.append(Line2D([], [], marker="v", mfc="white", ms=5, label="unloading", **marks))
     if any((~curve.fits & curve.finite).any() for curve in curves):
         handles.append(Line2D([], [], marker="x", ms=5, label="not converged", **marks))
-    options = {
-        "loc": "outside lower center",
-        "columnspacing": 1.2,
-        "handletextpad": 0.6,
-        "title": typeset(note) or None,
-    }
-    _fitted(figure.legend, handles, 0.96 * figure.get_figwidth(), figure, **options)
+    spacing = {"columnspacing": 1.2, "handletextpad": 0.6}
+    below = {"loc": "outside lower center", "title": typeset(note) or None, **spacing}
+    _fitted(figure.legend, handles, 0.96 * figure.get_figwidth(), figure, **below)
 
 
-def _fitted(
-    legend: Callable[..., Legend], handles: Sequence[Artist], width: float, figure: Any, **options: Any
-) -> None:
+def _fitted(legend: Callable[..., Legend], handles: list[Artist], width: float, figure: Any, **options: Any) -> None:
     """Put up the legend with as many columns as fit ``width`` (inches), read along its rows."""
     renderer = FigureCanvasAgg(figure).get_renderer()
     for columns in range(len(handles), 0, -1):

@@ -41,10 +41,6 @@ class Curve:
     simulated: bool = True  # whether it is of a simulation; theories reach beyond any sampling
     look: Look = Look()
 
-    def where(self, shown: np.ndarray) -> "Curve":
-        """The curve without the states that are not to be shown."""
-        return replace(self, x=np.where(shown, self.x, np.nan))
-
     @property
     def fits(self) -> np.ndarray:
         """Whether each state converged in contact."""
@@ -66,16 +62,15 @@ def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     Ends (x, y) of every segment, shape (n, 2, 2); whether it leads to unloading; whether a line passes each state.
     """
-    ends: list[np.ndarray] = []
-    unloading: list[bool] = []
-    joined = np.zeros(curve.x.shape, bool)
-    for last, here in _followed(curve):
-        joined[[last, here]] = True
-        segment = np.array([[curve.x[last], curve.y[last]], [curve.x[here], curve.y[here]]])
-        if not any(_retraces(segment, other) for other in ends):
-            ends.append(segment)
-            unloading.append(bool(curve.back[here]))
-    return np.array(ends).reshape(-1, 2, 2), np.array(unloading, bool), joined
+    pairs = _followed(curve)
+    joined = np.isin(np.arange(curve.x.size), pairs)
+    segments = np.stack([curve.x, curve.y], axis=1)[pairs]
+    once: list[int] = []
+    for number, one in enumerate(segments):
+        others = (ends for other in once for ends in (segments[other], segments[other][::-1]))
+        if not any(np.allclose(one, ends, rtol=_DOT, atol=0.0) for ends in others):
+            once.append(number)
+    return segments[once], curve.back[pairs[once, 1]], joined
 
 
 def error_band(curve: Curve) -> np.ndarray:
@@ -83,15 +78,13 @@ def error_band(curve: Curve) -> np.ndarray:
 
     Visible errors along both axes make no strip, and none has a state whose error is not known.
     """
-    x_error, y_error = _visible(curve.x_error, curve.x), _visible(curve.y_error, curve.y)
-    if (x_error is None) == (y_error is None):
+    across = np.stack([_visible(curve.x_error, curve.x), _visible(curve.y_error, curve.y)], axis=1)
+    if across[:, 0].any() == across[:, 1].any():
         return np.empty((0, 4, 2))
-    none = np.zeros(curve.x.shape)
-    across = np.stack([none if x_error is None else x_error, none if y_error is None else y_error], axis=1)
     points = np.stack([curve.x, curve.y], axis=1)
     low, high = points - across, points + across
-    strips = [[low[last], low[here], high[here], high[last]] for last, here in _followed(curve)]
-    found = np.array(strips).reshape(-1, 4, 2)
+    last, here = _followed(curve).T
+    found = np.stack([low[last], low[here], high[here], high[last]], axis=1)
     return found[np.isfinite(found).all(axis=(1, 2))]
 
 
@@ -105,8 +98,12 @@ def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = ""
             curve = replace(curve, x_error=None, y_error=None)
     for side, alpha in ((~back, 1.0), (back, 0.5)):
         if side.any() and look.line != "none":
-            style: Any = {"linestyles": [look.line], "linewidths": look.line_width, "alpha": alpha, "zorder": order}
-            axes.add_collection(LineCollection(_chains(segments[side]), colors=colour, **style))
+            own = segments[side]
+            # Lines of as many segments as follow one another: dashes continue over their corners.
+            chains = np.split(own, np.flatnonzero((own[1:, 0] != own[:-1, 1]).any(axis=1)) + 1)
+            points = [np.concatenate([chain[:1, 0], chain[:, 1]]) for chain in chains]
+            line: Any = {"linestyles": [look.line], "linewidths": look.line_width, "alpha": alpha, "zorder": order}
+            axes.add_collection(LineCollection(points, colors=colour, **line))
     # Larger and below: where unloading retraces loading both are seen.
     sides = (~curve.back, "none" if look.hollow else colour, look.marker, 0.0), (curve.back, "white", "v", 3.0)
     for side, fill, marker, larger in sides:
@@ -114,22 +111,11 @@ def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = ""
         if not look.marker:  # a line needs two states; one that stands alone is a dot
             here &= ~joined
         if here.any():
-            axes.errorbar(
-                curve.x[here],
-                curve.y[here],
-                xerr=_at(curve.x_error, here),
-                yerr=_at(curve.y_error, here),
-                color=colour,
-                linestyle="none",
-                marker=marker if look.marker else ".",
-                ms=look.marker_size + larger,
-                mfc=fill,
-                mew=0.9,
-                elinewidth=0.7,
-                capsize=1.5,
-                zorder=order - 0.1 * (larger > 0),
-                label=label or None,
-            )
+            errors = {"xerr": curve.x_error, "yerr": curve.y_error}
+            bars: Any = {name: np.nan_to_num(own[here]) for name, own in errors.items() if own is not None}
+            style = {"color": colour, "ls": "none", "mfc": fill, "mew": 0.9, "elinewidth": 0.7, "capsize": 1.5}
+            style |= {"marker": marker if look.marker else ".", "ms": look.marker_size + larger, "label": label or None}
+            axes.errorbar(curve.x[here], curve.y[here], **bars, zorder=order - 0.1 * (larger > 0), **style)
             label = ""
     left = ~curve.fits & curve.finite
     if left.any():
@@ -141,42 +127,16 @@ def draw_strip(axes: Axes, strip: np.ndarray, colour: Any, opacity: float, order
     axes.add_collection(PolyCollection(list(strip), facecolors=[colour], alpha=opacity, linewidths=0, zorder=order))
 
 
-def _visible(error: np.ndarray | None, values: np.ndarray) -> np.ndarray | None:
-    """Errors, unless all are less than a dot: what is prescribed is met to the solver's tolerance."""
+def _visible(error: np.ndarray | None, values: np.ndarray) -> np.ndarray:
+    """Errors, none if all are less than a dot: what is prescribed is met to the solver's tolerance."""
     finite = values[np.isfinite(values)]
     if error is None or not finite.size or np.nanmax(error, initial=0.0) <= _DOT * np.ptp(finite):
-        return None
+        return np.zeros(values.shape)
     return error
 
 
-def _followed(curve: Curve) -> list[tuple[int, int]]:
-    """Numbers of the states that lines join, in the order of the path."""
-    pairs, last = [], None
-    for here in range(curve.x.size):
-        if not curve.fits[here]:
-            last = None
-        elif curve.finite[here]:
-            if last is not None:
-                pairs.append((last, here))
-            last = here
-    return pairs
-
-
-def _retraces(one: np.ndarray, other: np.ndarray) -> bool:
-    """Whether two segments are the same, in either direction, to a dot of the figures."""
-    return any(np.allclose(one, ends, rtol=_DOT, atol=0.0) for ends in (other, other[::-1]))
-
-
-def _chains(segments: np.ndarray) -> list[np.ndarray]:
-    """Lines of as many segments as follow one another: dashes continue over their corners."""
-    chains: list[list[np.ndarray]] = []
-    for first, second in segments:
-        if chains and np.array_equal(chains[-1][-1], first):
-            chains[-1].append(second)
-        else:
-            chains.append([first, second])
-    return [np.array(chain) for chain in chains]
-
-
-def _at(error: np.ndarray | None, here: np.ndarray) -> np.ndarray | None:
-    return None if error is None else np.nan_to_num(error[here])
+def _followed(curve: Curve) -> np.ndarray:
+    """Numbers of the states that lines join, in the order of the path, (n, 2): none over one that did not converge."""
+    seen = np.flatnonzero(curve.finite | ~curve.fits)
+    pairs = np.stack([seen[:-1], seen[1:]], axis=1)
+    return pairs[curve.fits[pairs].all(axis=1)]

@@ -2,7 +2,7 @@
 
 import itertools
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -15,11 +15,19 @@ LOADING, UNLOADING = 0, 1
 
 def require(dataset: xr.Dataset, *names: str) -> None:
     """Raise ValueError unless a dataset has the variables to show."""
+    hints = dict.fromkeys(("gap", "pressure", "height"), "; fields are kept with output.fields = true")
+    hints |= dict.fromkeys((*ATOMS, *SURROUNDINGS), '; atoms are kept with output.atoms = "surface"')
+    hints["pressure_pdf_at"] = "; it is kept with theory.magnifications = 48"
     for name in names:
         if name not in dataset:
-            hint = "; fields are kept with output.fields = true" if name in ("gap", "pressure", "height") else ""
-            hint = '; atoms are kept with output.atoms = "surface"' if name in (*ATOMS, *SURROUNDINGS) else hint
-            raise ValueError(f"the dataset has no variable {name!r}{hint}")
+            raise ValueError(f"the dataset has no variable {name!r}{hints.get(name, '')}")
+
+
+def single(part: xr.Dataset, name: str, dims: Sequence[str], what: str) -> None:
+    """Raise ValueError if a variable has further dimensions: more than one of what is shown."""
+    others = [dim for dim in part[name].dims if dim not in dims]
+    if others:
+        raise ValueError(f"the dataset has more than one {what}: select one along {others[0]!r} first")
 
 
 def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
@@ -33,10 +41,9 @@ def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
                 f"the dataset holds {values.size} states along {dim!r}: select one first, for example "
                 f"dataset.sel({dim}={values[-1]!s})"
             )
+    axes = [axis for axis in ("y", "x") if axis in squeezed.dims]
     # Smaller cells of a sweep are padded to the points of the largest.
-    state = squeezed.isel(
-        {axis: np.flatnonzero(np.isfinite(squeezed[axis].values)) for axis in ("y", "x") if axis in squeezed.dims}
-    )
+    state = squeezed.isel({axis: np.flatnonzero(np.isfinite(squeezed[axis].values)) for axis in axes})
     for name in names:
         if state[name].isnull().all():
             raise ValueError(f"the dataset keeps no {name} of this point of the path; output.field_steps chose others")
@@ -45,11 +52,9 @@ def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
 
 def extent(state: xr.Dataset) -> tuple[float, float]:
     """Lateral periods along y and x (m): a grid's last point is one spacing before its end."""
-    periods = []
-    for axis in ("y", "x"):
-        values = state[axis].values
-        periods.append(values.size * float(values[1] - values[0]) if values.size > 1 else float(state["pixel"]))
-    return periods[0], periods[1]
+    y, x = (state[axis].values for axis in ("y", "x"))
+    height, width = (a.size * float(a[1] - a[0]) if a.size > 1 else float(state["pixel"]) for a in (y, x))
+    return height, width
 
 
 def touching(state: xr.Dataset) -> np.ndarray:
@@ -90,10 +95,3 @@ def fit_states(part: xr.Dataset) -> np.ndarray:
     flags = {name: part[name] for name in ("relative_contact_area", "converged", "detached") if name in part}
     fit = xr.ones_like(part["mean_pressure"], bool) & usable(flags)
     return np.isfinite(part["mean_pressure"].values) & fit.transpose(*part["mean_pressure"].dims).values
-
-
-def largest(dataset: xr.Dataset, name: str) -> float:
-    """The largest finite magnitude of a variable, zero without one."""
-    require(dataset, name)
-    values = np.abs(dataset[name].values)
-    return float(values[np.isfinite(values)].max(initial=0.0))

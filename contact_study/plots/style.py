@@ -2,15 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import wraps
 from inspect import cleandoc
-from typing import ParamSpec, TypeVar
+from typing import Any, TypeVar
 
-import matplotlib
+import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatterSciNotation, LogLocator
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
 RESOLUTION = 200  # dots per inch
 SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
@@ -37,20 +37,10 @@ STYLE = {
     "savefig.dpi": RESOLUTION,
 }
 
-Parameters = ParamSpec("Parameters")
-Drawn = TypeVar("Drawn")
+styled = rc_context(STYLE)
+"""Decorator: draw in the common style without changing the caller's settings."""
 
-
-def styled(draw: Callable[Parameters, Drawn]) -> Callable[Parameters, Drawn]:
-    """Draw in the common style without changing the caller's settings."""
-
-    @wraps(draw)
-    def drawn(*arguments: Parameters.args, **options: Parameters.kwargs) -> Drawn:
-        with matplotlib.rc_context(STYLE):
-            return draw(*arguments, **options)
-
-    return drawn
-
+Draw = TypeVar("Draw", bound=Callable[..., Any])
 
 _DOCUMENTATION = """
 Parameters
@@ -78,13 +68,10 @@ Examples
 """
 
 
-def picture(dataset: str) -> Callable[[Callable[Parameters, Drawn]], Callable[Parameters, Drawn]]:
-    """Make a styled picture of a function, and complete its docstring, which has its own parameters only.
+def picture(dataset: str) -> Callable[[Draw], Draw]:
+    """Style a picture, and complete its docstring, which has its own parameters only, with what dataset it takes."""
 
-    ``dataset`` says what dataset it takes.
-    """
-
-    def made(draw: Callable[Parameters, Drawn]) -> Callable[Parameters, Drawn]:
+    def made(draw: Draw) -> Draw:
         summary, _, own = cleandoc(draw.__doc__ or "").partition("Parameters\n----------\n")
         own = f"{own}\n" if own else ""
         draw.__doc__ = summary.rstrip() + "\n" + _DOCUMENTATION.format(dataset=dataset, own=own, name=draw.__name__)
@@ -97,6 +84,13 @@ def readable_decades(axis: Axis) -> None:
     """Name 2 and 5 of a logarithmic axis, too, where it has few decades, and no more."""
     axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
     axis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(1.5, 1.5)))
+
+
+def plain_decades(axis: Axis, few: bool) -> None:
+    """Write the decades of a logarithmic axis in plain numbers, with 2 and 5 where they are few."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
 
 
 def add_legend(axes: Axes) -> None:
@@ -118,17 +112,19 @@ class Unit:
     size: float
 
 
-def length_unit(largest: float) -> Unit:
-    """The unit in which lengths up to ``largest`` (m) read well."""
-    for name, size, limit in (("Å", 1e-10, 1e-9), ("nm", 1e-9, 1e-6), ("µm", 1e-6, 1e-3), ("mm", 1e-3, 1.0)):
-        if largest < limit:
-            return Unit(name, size)
-    return Unit("m", 1.0)
+def largest(values: Any) -> float:
+    """The largest finite magnitude, zero without one."""
+    magnitudes = np.abs(np.asarray(values))
+    return float(magnitudes.max(initial=0.0, where=np.isfinite(magnitudes)))
 
 
-def pressure_unit(largest: float) -> Unit:
-    """The unit in which pressures up to ``largest`` (Pa) read well."""
-    for name, size in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)):
-        if largest >= size:
-            return Unit(name, size)
-    return Unit("Pa", 1.0)
+def length_unit(most: float) -> Unit:
+    """The unit in which lengths up to ``most`` (m) read well."""
+    sizes = (("Å", 1e-10, 1e-9), ("nm", 1e-9, 1e-6), ("µm", 1e-6, 1e-3), ("mm", 1e-3, 1.0))
+    return next((Unit(name, size) for name, size, limit in sizes if most < limit), Unit("m", 1.0))
+
+
+def pressure_unit(most: float) -> Unit:
+    """The unit in which pressures up to ``most`` (Pa) read well."""
+    sizes = (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3))
+    return next((Unit(name, size) for name, size in sizes if most >= size), Unit("Pa", 1.0))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from contact_study import plots
 from contact_study.plots import composites
 from contact_study.plots.panels import STATE_COLOURS, Panel, panels_figure, saved
 from contact_study.plots.style import COLOURS, length_unit, pressure_unit
@@ -94,12 +95,12 @@ def draw(
         fixed["magnification"] = composites.magnification(*zoomed, *named)
     atoms = states.read_atoms(*place)
     if atoms is not None:
-        fixed["atoms"] = composites.atom_section(atoms, state)
+        fixed["atoms"] = composites.wide(plots.atoms, atoms, 2.2, state)
     if found := cycles(inputs):
         fixed["loop"] = composites.loops(found)
     theory = next((own for own in models.values() if "persson_tosatti_ratio" in own), None)
     if theory is not None and np.isfinite(theory["finest_tabor_number"]).any():
-        fixed["criteria"] = composites.criteria(theory)
+        fixed["criteria"] = composites.wide(plots.criteria_map, theory, 3.2)
     drawn = {name: [make(False), make(True)] for name, make in makers.items()}
     drawn |= {name: [figure] for name, figure in fixed.items()}
     across = curves.pressure_axis(models, False)

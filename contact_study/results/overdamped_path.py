@@ -16,8 +16,6 @@ from contact_study.study.case import Case
 _FIRST_STEP = 0.01
 
 _MESSAGES = {
-    Status.MOVING: "",
-    Status.AT_REST: "",
     Status.APART: "detached: no equilibrium in contact exists under this load, the surfaces separate",
     Status.TOO_LONG: "the iteration limit was reached before all was at rest: raise solver.max_iterations",
     Status.STUCK: "no step comes nearer to balance: raise solver.tolerance if the residual is close to it",
@@ -68,7 +66,7 @@ def solve_path(
 ) -> Iterator[Ensemble]:
     """Yield the motion through each point of the path from number ``start`` on; its last state is the point's.
 
-    ``restart`` is the state after the point before ``start``, or on the way to it; by default the surfaces are apart.
+    It starts from ``restart``, kept after the point before or on the way; by default the surfaces are apart.
     """
     at = _Place(at_rest(moving.separated(), 0.0, pace)) if restart is None else _Place.unpacked(restart)
     for number in range(start, len(case.path)):
@@ -122,7 +120,7 @@ def _states(moving: Moving[Found], pace: StepControl, at: _Place, target: float)
             iterations=instant.steps,
             fft_pairs=at.pairs,
             force_evaluations=None if state.report.force_evaluations is None else at.evaluations,
-            message=_MESSAGES[fate],
+            message=_MESSAGES.get(fate, ""),
         )
         if fate is not Status.MOVING:
             next_state, load = (moving.separated(), 0.0) if fate is Status.APART else (instant.state, instant.load)
@@ -131,5 +129,5 @@ def _states(moving: Moving[Found], pace: StepControl, at: _Place, target: float)
 
 
 def _timed(state: InterfaceState, at: _Place, time: float, load: float) -> InterfaceState:
-    clock = {"overdamped_time": time, "overdamped_load": load}
-    return replace(state, further={**state.further, **clock}, restart=at.packed)
+    further = {**state.further, "overdamped_time": time, "overdamped_load": load}
+    return replace(state, further=further, restart=at.packed)

@@ -17,13 +17,12 @@ UNACCOUNTED = 0.02
 # Share of a path's largest energy below which a loss is an error of the solver, not a jump.
 _NOISE = 1e-6
 
+_WORK = "work of separation of the last retraction per nominal area, from zero pressure on"
 PATH_RESULTS: dict[str, Variable] = {
     "pull_off_pressure": Variable("Pa", "pull-off pressure: lowest mean pressure in contact", ()),
     "jump_in_pressure": Variable("Pa", "mean pressure of the last state before the first jump-in", ()),
     "jump_in_separation": Variable("m", "mean separation of the last state before the first jump-in", ()),
-    "work_of_separation": Variable(
-        "J m-2", "work of separation of the last retraction per nominal area, from zero pressure on", ()
-    ),
+    "work_of_separation": Variable("J m-2", _WORK, ()),
 }
 
 _PRESSURE, _SEPARATION, _ENERGY = range(3)
@@ -42,10 +41,7 @@ class PathSeries:
 
 
 def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the work that the energy does not account for, by the trapezoidal rule, and the exchanged work (J/m²).
-
-    Of two states, shape (..., 3), of mean pressure (Pa), mean separation (m) and energy (J/m²).
-    """
+    """Work between states (..., 3) that the energy does not account for, by trapezoids, and exchanged work (J/m²)."""
     way = 0.5 * (after[..., 1] - before[..., 1])
     work = -(before[..., 0] + after[..., 0]) * way
     stored = after[..., 2] - before[..., 2]
@@ -71,21 +67,19 @@ def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def path_results(series: PathSeries, control: str) -> dict[str, float]:
-    """Compute pull-off, jump-in and work of separation, by names of the schema, as far as the path has them.
+    """Pull-off, jump-in and work of separation, by names of the schema, as far as the path has them.
 
-    Under a prescribed pressure, ``control = "pressure"``, the surfaces detach below the pull-off pressure, and neither
-    jump-in nor a finite work of separation exists. At a prescribed distance the path passes the lowest pressure.
+    Under a prescribed pressure the surfaces detach below the pull-off pressure, and neither jump-in nor a finite work
+    of separation exists. At a prescribed distance the path passes the lowest pressure.
     """
     if not len(series.states):  # no state of the path converged
         return {}
     if control == "pressure":
         return _lost_under_load(series.states)
-    approach, retraction = _first_approach(series), _last_retraction(series)
+    approach, retraction = _ways(series)
     found = _lowest_of_retraction(retraction)
     if series.states.shape[1] > _ENERGY:
-        found |= _jump_in(approach)
-        if series.ends_apart:
-            found |= _work_of_separation(retraction)
+        found |= _jump_in(approach) | (_work_of_separation(retraction) if series.ends_apart else {})
     return found
 
 
@@ -104,21 +98,16 @@ def _lost_under_load(states: np.ndarray) -> dict[str, float]:
     }
 
 
-def _last_retraction(series: PathSeries) -> np.ndarray:
-    """The states of the last retraction, from its turning point."""
-    points, distance = _points(series)
-    after, before = distance[:0:-1], distance[-2::-1]
-    back = _leading(after < before)
-    end = len(points) - 1 - back
-    return series.states[points[end - _leading(before[back:] <= after[back:])] : points[end] + 1]
-
-
-def _first_approach(series: PathSeries) -> np.ndarray:
-    """The states up to the path's first turning point."""
-    points, distance = _points(series)
+def _ways(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
+    """The states up to the path's first turning point, and those of the last retraction from its turning point on."""
+    points = np.arange(len(series.states)) if series.points is None else series.points
+    distance = series.states[points, _SEPARATION]
     before, after = distance[:-1], distance[1:]
     start = _leading(after >= before)
-    return series.states[: points[start + _leading(after[start:] <= before[start:])] + 1]
+    turn = start + _leading(after[start:] <= before[start:])
+    end = len(points) - 1 - _leading((after < before)[::-1])
+    last = end - _leading((before <= after)[:end][::-1])
+    return series.states[: points[turn] + 1], series.states[points[last] : points[end] + 1]
 
 
 def _leading(holds: np.ndarray) -> int:
@@ -126,36 +115,25 @@ def _leading(holds: np.ndarray) -> int:
     return int(np.argmin(np.append(holds, False)))
 
 
-def _points(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
-    """The path's points and their separations."""
-    points = np.arange(len(series.states)) if series.points is None else series.points
-    return points, series.states[points, _SEPARATION]
-
-
 def _lowest_of_retraction(states: np.ndarray) -> dict[str, float]:
-    """The lowest state of a retraction, and how far the pressure falls below it between its neighbours."""
+    """The lowest state of a retraction, and how far below it a parabola or a branch falls between its neighbours."""
     pressure, separation = states[:, _PRESSURE], states[:, _SEPARATION]
     lowest = int(np.argmin(pressure))
     if not (0 < lowest < pressure.size - 1 and pressure[lowest] < 0):
         return {}
     found = {"pull_off_pressure": float(pressure[lowest])}
-    near = slice(lowest - 1, lowest + 2)
-    if not np.all(np.isfinite(separation[near])):  # torn off right after it: no parabola goes through infinity
+    x, y = separation[lowest - 1 : lowest + 2], pressure[lowest - 1 : lowest + 2]
+    if not np.all(np.isfinite(x)):  # torn off right after it: no parabola goes through infinity
         return found
-    below = _depth(separation[near], pressure[near])
+    left, right = np.diff(y) / np.diff(x)
+    curvature = (right - left) / (x[2] - x[0])
+    slope = (left * (x[2] - x[1]) + right * (x[1] - x[0])) / (x[2] - x[0])
+    below = float(slope**2 / (4 * curvature)) if curvature > 0 else 0.0
     if states.shape[1] > _ENERGY:
         smooth = ~_jumps(states)[1] & (np.diff(separation) > 0)
         between = lowest_between(states[:-1][smooth], states[1:][smooth])
         below = max(below, float(pressure[lowest]) - float(np.min(between, initial=pressure.min())))
     return {**found, "pull_off_pressure_resolution_error": below}
-
-
-def _depth(x: np.ndarray, y: np.ndarray) -> float:
-    """Depth of the parabola through three points below the middle one, the lowest."""
-    left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
-    curvature = (right - left) / (x[2] - x[0])
-    slope = (left * (x[2] - x[1]) + right * (x[1] - x[0])) / (x[2] - x[0])
-    return float(slope**2 / (4 * curvature)) if curvature > 0 else 0.0
 
 
 def _jumps(states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -166,6 +144,7 @@ def _jumps(states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _jump_in(states: np.ndarray) -> dict[str, float]:
+    """The last state before the first loss that the rule cannot make up, and how far the next one is."""
     lost, jumped, unknown = _jumps(states)
     # Where the pressure only rises or only falls the rule errs by no more than this: beside balance, where little is
     # exchanged, points that meet a wall one by one lose as much, and no energy.

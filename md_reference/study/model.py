@@ -8,8 +8,8 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.results import overdamped_path
-from contact_study.results.constants import heights_on
 from contact_study.results.observables.atoms import substrate_sites
+from contact_study.results.schema import heights_on
 from contact_study.results.state import Value
 from contact_study.study.case import Case
 from contact_study.study.checks import contact_stress, idle_motion, squeeze

@@ -11,7 +11,7 @@ from scipy import constants
 import contact_study
 from contact_study import plots
 from contact_study.campaign.dataset.export import to_xyz
-from contact_study.plots.cuts import NEEDED
+from contact_study.plots.maps import NEEDED
 from contact_study.report.align.states import read_atoms
 from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.read.datasets import read_inputs

@@ -8,28 +8,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-import contact_study
 from contact_study import plots
 from contact_study.plots.curves import dissipated_energy
-from contact_study.plots.style import COLOURS, length_unit, pressure_unit
+from contact_study.plots.style import COLOURS
 
 SIDE, SPACING = 16, 1e-9
-
-STUDY = {
-    "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42, "lattice_constant": "0.26 nm"},
-    "interaction": {"law": "lennard_jones_10_4", "length": "0.328 nm", "work_of_adhesion": "0.1 J/m^2"},
-    "surface": {
-        "kind": "self_affine",
-        "size": ["8.32 nm", "8.32 nm"],
-        "shape": [32, 32],
-        "hurst_exponent": 0.8,
-        "rms_height": "0.2 nm",
-        "cutoff_mode": 5,
-        "seed": 1,
-    },
-    "loading": {"path": ["0.5 GPa", "2 GPa", "-0.05 GPa"]},
-    "sweep": {"interaction.work_of_adhesion": ["0.05 J/m^2", "0.1 J/m^2"]},
-}
 
 
 def state(**changes):
@@ -60,7 +43,10 @@ def path(pressures, areas, gaps, branch, **further):
     )
 
 
-def test_gap_map_shows_the_gaps_and_masks_the_contact():
+def test_maps_show_their_field_upwards_in_its_unit():
+    (image,) = plots.height_map(state()).images
+    assert image.get_array()[2, 1] == pytest.approx(np.cos(2 * np.pi * (1 - 2 * 2) / SIDE))  # nm
+    assert image.colorbar.ax.get_ylabel() == "height (nm)"
     axes = plots.gap_map(state())
     (image,) = axes.images
     shown = image.get_array()
@@ -71,9 +57,6 @@ def test_gap_map_shows_the_gaps_and_masks_the_contact():
     np.testing.assert_allclose(image.get_extent(), (0, 16, 0, 16))
     assert axes.get_xlabel() == "$x$ (nm)"
     assert image.colorbar.ax.get_ylabel() == "gap (nm), contact black"
-
-
-def test_pressure_map_tells_tension_from_compression():
     image = plots.pressure_map(state()).images[0]
     np.testing.assert_allclose(image.get_array()[5], 1e-1 * (np.arange(SIDE) - 3), atol=1e-9)  # GPa
     assert image.norm.vmin == -image.norm.vmax
@@ -92,6 +75,8 @@ def test_contact_map_colours_the_largest_clusters_first():
     assert colour[1] == to_rgb("#9a9a9a")
     assert colour[2] == (1, 1, 1)
     assert axes.get_title() == f"contact area {19 / 256:.3g}, 2 clusters"
+    thermal = state(relative_contact_area=0.123, cluster_count=7, relative_contact_area_standard_error=0.01)
+    assert plots.contact_map(thermal).get_title() == "mean contact area 0.123, mean 7 clusters"
 
 
 def test_contact_map_of_a_free_surface_ends_at_its_rim():
@@ -109,11 +94,6 @@ def test_a_wall_is_in_contact_where_it_presses_or_holds():
     wall = state(contact_distance=0.0)
     wall["gap"] = wall["gap"] * 0
     assert plots.contact_map(wall).images[0].get_array().astype(bool).sum() == 15 * SIDE
-
-
-def test_contact_map_of_thermal_means_tells_the_means_of_the_dataset():
-    thermal = state(relative_contact_area=0.123, cluster_count=7, relative_contact_area_standard_error=0.01)
-    assert plots.contact_map(thermal).get_title() == "mean contact area 0.123, mean 7 clusters"
 
 
 def test_section_has_both_surfaces_and_the_contact():
@@ -138,7 +118,9 @@ def test_curves_part_loading_from_unloading_and_leave_out_what_did_not_converge(
         [0, 0, 0, 1, 1],
         converged=[1, 0, 1, 1, 1],
     )
-    axes = plots.contact_area(dataset)
+    before, axes = dict(matplotlib.rcParams), Figure().subplots()
+    assert plots.contact_area(dataset, axes) is axes
+    assert dict(matplotlib.rcParams) == before
     forth, back, _ = axes.lines
     chains = [line.get_segments()[0][:, 0] for line in axes.collections if isinstance(line, LineCollection)]
     assert [list(chain) for chain in chains] == [[1, 4], [4, 2, -1]]
@@ -164,11 +146,9 @@ def test_tension_is_shown_on_logarithms_of_both_signs():
 def test_a_line_for_each_point_of_the_sweep_and_each_theory():
     one = path([1e9, 2e9], [0.1, 0.2], [5e-9, 4e-9], [0, 0])
     swept = xr.concat([one, one * 2], xr.DataArray(["persson", "edge_flow"], dims="theory", name="theory"))
-    axes = plots.contact_area(swept.assign_coords(branch=one["branch"]))
-    assert axes.get_legend_handles_labels()[1] == ["persson"]  # the other's "converged" is 2: nothing of it counts
-    swept["converged"] = swept["converged"].clip(max=1)
-    axes = plots.contact_area(swept.assign_coords(branch=one["branch"]))
-    assert axes.get_legend_handles_labels()[1] == ["persson", "edge flow"]
+    for converged, shown in ((swept["converged"], ["persson"]), (1.0, ["persson", "edge flow"])):  # 1 and 2, or 1
+        axes = plots.contact_area(swept.assign(converged=converged).assign_coords(branch=one["branch"]))
+        assert axes.get_legend_handles_labels()[1] == shown
 
 
 def test_dissipated_energy_of_a_parallelogram():
@@ -188,19 +168,18 @@ def test_dissipated_energy_of_a_parallelogram():
     assert "0.009 J/m² dissipated" in axes.get_legend_handles_labels()[1]
     np.testing.assert_allclose(axes.lines[0].get_xdata(), 11 - np.arange(6))  # nm, pressures from below
     there = 1e-9 * (10 - forth)
-    for rounding in (1e-15, -1e-15):
-        back_again = np.append(there, there[-2::-1] - rounding)
-        equal = path(1e6 * np.append(forth, forth[-2::-1]), np.full(11, 0.1), back_again, [0] * 6 + [1] * 5)
-        assert abs(dissipated_energy(equal)) > 0
-        words = plots.hysteresis_loop(equal).get_legend_handles_labels()[1]
-        assert "0 J/m² dissipated: reversible within rounding" in words
+    back_again = np.append(there, there[-2::-1] + 1e-15)
+    equal = path(1e6 * np.append(forth, forth[-2::-1]), np.full(11, 0.1), back_again, [0] * 6 + [1] * 5)
+    assert dissipated_energy(equal) < 0
+    words = plots.hysteresis_loop(equal).get_legend_handles_labels()[1]
+    assert "0 J/m² dissipated: reversible within rounding" in words
     gap = dataset.rename(mean_pressure="mean_separation", mean_separation="mean_pressure")
     held = gap.assign(mean_separation=gap.mean_separation * 1e-15, mean_pressure=gap.mean_pressure * 1e15)
     held = held.assign_coords(applied_gap=held.mean_separation)
     assert dissipated_energy(held) == pytest.approx(2e-9 * 1e6 * 4.5, rel=1e-9)
-    drawn = plots.hysteresis_loop(held).lines[0]
-    assert drawn.get_xdata()[0] < drawn.get_xdata()[-1]
-    assert drawn.get_ydata()[0] > drawn.get_ydata()[-1]
+    x, y = plots.hysteresis_loop(held).lines[0].get_xydata()[[0, -1]].T
+    assert x[0] < x[1]
+    assert y[0] > y[1]
     with pytest.raises(ValueError, match="no cycle"):
         plots.hysteresis_loop(dataset.isel(step=slice(6)))
     with pytest.raises(ValueError, match="select one along 'seed'"):
@@ -243,13 +222,6 @@ def test_spectrum_is_that_of_the_waves_and_keeps_the_variance():
         plots.surface_spectrum(state(height=(("y", "x"), np.zeros((SIDE, SIDE)))))
 
 
-def test_height_map_shows_the_heights():
-    axes = plots.height_map(state())
-    (image,) = axes.images
-    assert image.get_array()[2, 1] == pytest.approx(np.cos(2 * np.pi * (1 - 2 * 2) / SIDE))  # nm
-    assert image.colorbar.ax.get_ylabel() == "height (nm)"
-
-
 def test_distributions_have_the_units_of_their_axis():
     bins = np.linspace(-2e9, 2e9, 9)
     density = np.exp(-((bins / 1e9) ** 2)) * 1e-9
@@ -282,32 +254,11 @@ def test_deviations_stand_under_their_own_pressures():
         plots.deviations(dataset, "moon - sun")
 
 
-@pytest.mark.parametrize(
-    ("draw", "missing"),
-    [(plots.gap_map, "gap"), (plots.pressure_map, "pressure"), (plots.section, "height"), (plots.contact_area, None)],
-)
-def test_what_is_missing_is_named(draw, missing):
-    with pytest.raises(ValueError, match=missing or "relative_contact_area|mean_pressure"):
-        draw(state().drop_vars(missing) if missing else state())
-
-
-def test_more_than_one_state_is_refused_with_the_way_out():
+def test_what_is_missing_or_too_much_is_refused_with_the_way_out():
+    for draw, missing in ((plots.gap_map, "gap"), (plots.section, "height"), (plots.contact_area, "pressure")):
+        with pytest.raises(ValueError, match=f"no variable '(mean_)?{missing}'"):
+            draw(state().drop_vars(missing))
     two = xr.concat([state(), state()], xr.DataArray([3, 4], dims="step", name="step"), data_vars="all")
     with pytest.raises(ValueError, match=r"select one first, for example dataset.sel\(step=4\)"):
         plots.gap_map(two)
     plots.gap_map(two.sel(step=3))
-
-
-def test_units_suit():
-    assert [length_unit(value).name for value in (9e-10, 5e-7, 2.0)] == ["Å", "nm", "m"]
-    assert pressure_unit(3e5).name == "kPa"
-
-
-def test_a_study_is_shown_whole_and_no_state_of_matplotlib_changes():
-    before = dict(matplotlib.rcParams)
-    dataset = contact_study.run({**STUDY, "output": {"fields": True}})
-    figure = Figure()
-    axes = figure.subplots()
-    assert plots.contact_area(dataset, axes) is axes
-    assert len(axes.get_legend_handles_labels()[1]) == 2
-    assert dict(matplotlib.rcParams) == before

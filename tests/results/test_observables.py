@@ -5,11 +5,10 @@ import pytest
 
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.grid import Grid
-from contact_study.results.constants import heights_on
 from contact_study.results.observables import ENTRIES, OBSERVABLES, observed, recorded
 from contact_study.results.observables.contact_map import OVERCOUNT
 from contact_study.results.observables.mechanics import FURTHER
-from contact_study.results.schema import VARIABLES
+from contact_study.results.schema import VARIABLES, heights_on
 from contact_study.results.state import InterfaceState, SolverReport, Step
 
 BINS = Bins.evenly((-2e9, 4e9, 6), (0.0, 8e-10, 4))
@@ -82,17 +81,12 @@ def test_free_boundaries_part_what_meets_over_the_edges():
     names = ("cluster_count", "largest_cluster_area", "contact_percolates", "gap_percolates")
     assert [together[name] for name in names] == [1, 8 / 24, True, True]
     assert [apart[name] for name in names] == [2, 4 / 24, True, True]
-    # One of them alone has four sides within the map, and over its edge four more.
-    maps["contact"] = maps["contact"] & (np.arange(6) == 0)
-    for periodic, sides in ((True, 8), (False, 4)):
-        found = observed(state(**maps, periodic=periodic), BINS)
-        assert found["contact_perimeter"] == pytest.approx(np.pi / 4 * sides / 24)
-        assert found["corrected_contact_area"] == pytest.approx((4 - OVERCOUNT * sides) / 24)
     step = np.zeros((4, 6), bool)
     step[0, :3] = step[1, 2:] = True  # from rim to rim, and its ends do not meet over the edge
-    maps["contact"] = step
-    for periodic, through in ((True, False), (False, True)):
-        assert observed(state(**maps, periodic=periodic), BINS)["contact_percolates"] is through
+    for periodic, through, sides in ((True, False, 16), (False, True, 11)):
+        found = observed(state(**maps | {"contact": step}, periodic=periodic), BINS)
+        assert found["contact_percolates"] is through
+        assert found["contact_perimeter"] == pytest.approx(np.pi / 4 * sides / 24)
     # Lags of one point, in the ring from 0.18 to 0.25 of the side: of 24 + 24 pairs 8 + 4, inside 6 of 18 + 20.
     ring = ~np.isnan(together["contact_autocorrelation"])
     assert together["contact_autocorrelation"][ring][0] == pytest.approx(12 / 48)
@@ -122,16 +116,12 @@ def test_heights_stand_on_their_positions():
     assert found["height"].shape == (2, 3)
 
 
-@pytest.mark.parametrize("fields", [False, True])
-def test_recorded_state_has_its_fields_only_where_asked(fields):
+def test_steps_have_fields_where_asked_and_distributions_of_theories_on_the_bins():
     given = state()
-    step = recorded(given, BINS, fields)
-    assert step.bins is BINS
-    assert step.restart is given.restart
-    assert step.fields == ({"gap": given.gap, "pressure": given.pressure} if fields else {})
-
-
-def test_distributions_of_theories_are_evaluated_on_the_bins():
+    for fields in (False, True):
+        step = recorded(given, BINS, fields)
+        assert (step.bins, step.restart) == (BINS, given.restart)
+        assert step.fields == ({"gap": given.gap, "pressure": given.pressure} if fields else {})
     step = Step({"persson/pressure_pdf": np.diff, "gap_flow/gap_pdf": lambda edges: edges[1:], "mean_gap": 3.0})
     values = recorded(step, BINS).values
     np.testing.assert_array_equal(values["persson/pressure_pdf"], np.diff(BINS.pressure_edges))

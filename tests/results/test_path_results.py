@@ -33,13 +33,10 @@ def test_flat_surfaces_pull_off_at_the_peak_and_take_their_work_of_adhesion():
     assert found["pull_off_pressure"] - error == pytest.approx(-LAW.peak_tensile_stress, rel=1e-5)
     assert 0 <= error <= 3e-4 * LAW.peak_tensile_stress
     # The trapezoidal rule: the square of a step of 0.5 % over twelve, times the second derivative, some ten peaks.
-    assert found["work_of_separation"] == pytest.approx(0.69, rel=1e-3)
+    for end in (2e-9, 8e-10):  # wherever the path ends
+        work = path_results(flat(there_and_back(3e-10, end)), "gap")["work_of_separation"]
+        assert work == pytest.approx(0.69, rel=1e-3)
     assert "jump_in_pressure" not in found, "rigid surfaces do not jump"
-
-
-@pytest.mark.parametrize("control", ["pressure", "gap", "approach"])
-def test_a_path_without_a_converged_state_tells_nothing(control):
-    assert path_results(series_of([point(1.0, 1.0, converged=False)], control), control) == {}
 
 
 def test_pull_off_between_long_uneven_steps_is_within_its_error():
@@ -53,11 +50,6 @@ def test_pull_off_between_long_uneven_steps_is_within_its_error():
     assert found["pull_off_pressure"] - found["pull_off_pressure_resolution_error"] == pytest.approx(-2, abs=0.083)
     plain = path_results(series(curve(separation), separation), "gap")
     assert plain["pull_off_pressure"] - plain["pull_off_pressure_resolution_error"] > -1.6
-
-
-def test_the_work_of_separation_is_that_to_infinity_wherever_the_path_ends():
-    far, near = (path_results(flat(there_and_back(3e-10, end)), "gap") for end in (5e-9, 8e-10))
-    assert near["work_of_separation"] == pytest.approx(far["work_of_separation"], rel=1e-3)
 
 
 def test_the_work_begins_where_the_pressure_is_none_between_two_states():
@@ -102,12 +94,10 @@ def test_what_a_path_does_not_show_is_not_said():
     still_in_tension = gaps[gaps < LAW.peak_distance]
     assert path_results(flat(still_in_tension, ends_apart=False), "gap") == {}
     beyond_the_peak = flat(there_and_back(1.2 * LAW.peak_distance, 2e-9))
-    work = {"work_of_separation", "work_of_separation_resolution_error"}
-    assert set(path_results(beyond_the_peak, "gap")) == work
-    in_contact = path_results(flat(gaps, ends_apart=False), "gap")
-    assert set(in_contact) == {"pull_off_pressure", "pull_off_pressure_resolution_error"}
-    coarse = PathSeries(flat(gaps).states[:, :2], ends_apart=True)
-    assert set(path_results(coarse, "gap")) == set(in_contact), "points too far apart to integrate"
+    assert "pull_off_pressure" not in path_results(beyond_the_peak, "gap")
+    coarse = PathSeries(flat(gaps).states[:, :2], ends_apart=True)  # points too far apart to integrate
+    for known in (flat(gaps, ends_apart=False), coarse):
+        assert set(path_results(known, "gap")) == {"pull_off_pressure", "pull_off_pressure_resolution_error"}
 
 
 def test_the_first_state_that_loses_energy_on_approach_is_the_jump():
@@ -122,8 +112,7 @@ def test_the_first_state_that_loses_energy_on_approach_is_the_jump():
     assert found["jump_in_separation"] == 3e-10
     assert found["jump_in_separation_resolution_error"] == pytest.approx(1e-12)
     assert "jump_in_pressure" not in path_results(series(pressure, separation, energy), "pressure")
-    smooth = energy.copy()
-    smooth[3:] += 0.1
+    smooth = energy + 0.1 * (np.arange(9) > 2)
     assert "jump_in_pressure" not in path_results(series(pressure, separation, smooth), "gap")
 
 
@@ -153,6 +142,8 @@ def test_surfaces_under_a_load_pull_off_between_what_held_and_what_did_not(press
 def test_surfaces_that_held_or_never_touched_do_not_pull_off():
     for separations in ([0.0, 1.0, 2.0], [np.inf, np.inf, np.inf]):
         assert path_results(series(np.array([1.0, -0.5, -0.9]), np.array(separations)), "pressure") == {}
+    for control in ("pressure", "gap"):
+        assert path_results(series_of([point(1.0, 1.0, converged=False)], control), control) == {}
 
 
 def point(pressure, separation, area=0.1, **changes):
@@ -175,10 +166,8 @@ def test_points_make_a_series_and_those_that_did_not_converge_none():
 
 def test_what_steps_passed_makes_a_finer_series():
     passed = {"passed_pressure": [2.0, 1.0], "passed_separation": [5.0, 4.0], "passed_energy": [0.0, 7.0]}
-    arrays = {name: np.array(values) for name, values in passed.items()}
-    booked = {**arrays, "dissipated_energy": 0.0}
-    found = series_of([point(1.0, 4.0, **booked), point(1.0, 4.0, **booked)], "gap")
+    found = series_of(2 * [point(1.0, 4.0, **passed, dissipated_energy=0.0)], "gap")
     assert found.states.tolist() == 2 * [[2, 5, 0], [1, 4, 7]]
     assert found.points.tolist() == [1, 3]
-    relaxing = series_of([point(1.0, 4.0, **arrays), point(1.0, 4.0, **arrays)], "gap")
+    relaxing = series_of(2 * [point(1.0, 4.0, **passed)], "gap")
     assert relaxing.states.tolist() == 2 * [[2, 5], [1, 4]], "where no jumps are booked the solid dissipates, too"

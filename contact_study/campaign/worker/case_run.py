@@ -21,9 +21,8 @@ from contact_study.inputs import plugins
 from contact_study.numerics import life
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
-from contact_study.results.constants import roughness_values
 from contact_study.results.observables import recorded
-from contact_study.results.schema import quantity_of
+from contact_study.results.schema import quantity_of, roughness_values
 from contact_study.results.state import Ensemble, InterfaceState, Step, Value
 from contact_study.study.case import Case, realise
 

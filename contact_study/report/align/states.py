@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.cuts import NEEDED
+from contact_study.plots.maps import NEEDED
 from contact_study.report.align.cases import SweepPoint, case_points, select, sweep_points
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs

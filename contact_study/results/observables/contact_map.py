@@ -26,33 +26,26 @@ def edge_sides(contact: np.ndarray, periodic: bool = True) -> tuple[int, int]:
     return along_x, along_y
 
 
-def _corrected(area: np.ndarray, sides: tuple[int, int]) -> float:
-    return max(float(np.mean(area)) - OVERCOUNT * sum(sides) / area.size, 0.0)
-
-
 def _area(state: InterfaceState, _: Bins) -> dict[str, Value]:
-    pressed = state.pressure > 0
-    along_x, along_y = edge_sides(state.contact, state.periodic)
-    values: dict[str, Value] = {
-        "relative_contact_area": float(np.mean(state.contact)),
-        "relative_repulsive_area": float(np.mean(pressed)),
-        "corrected_contact_area": _corrected(state.contact, (along_x, along_y)),
-        "corrected_repulsive_area": _corrected(pressed, edge_sides(pressed, state.periodic)),
-    }
+    areas = {"contact": state.contact, "repulsive": state.pressure > 0}
+    sides = {kind: edge_sides(area, state.periodic) for kind, area in areas.items()}
+    values: dict[str, Value] = {f"relative_{kind}_area": float(np.mean(area)) for kind, area in areas.items()}
+    for kind, area in areas.items():
+        values[f"corrected_{kind}_area"] = max(float(np.mean(area)) - OVERCOUNT * sum(sides[kind]) / area.size, 0.0)
     if state.spacing is not None:
         dy, dx = state.spacing
+        along_x, along_y = sides["contact"]
         values["contact_perimeter"] = np.pi / 4 * (along_x * dx + along_y * dy) / (state.contact.size * dy * dx)
     return values
 
 
+_CORRECTED = "over nominal area, corrected for the grid at its edge"
 AREA = Observable(
     {
         "relative_contact_area": Variable("1", "contact area over nominal area"),
         "relative_repulsive_area": Variable("1", "area under positive pressure over nominal area"),
-        "corrected_contact_area": Variable("1", "contact area over nominal area, corrected for the grid at its edge"),
-        "corrected_repulsive_area": Variable(
-            "1", "area under positive pressure over nominal area, corrected for the grid at its edge"
-        ),
+        "corrected_contact_area": Variable("1", f"contact area {_CORRECTED}"),
+        "corrected_repulsive_area": Variable("1", f"area under positive pressure {_CORRECTED}"),
         "contact_perimeter": Variable("m-1", "length of the contact's edge, assumed isotropic, over nominal area"),
     },
     _area,
@@ -60,10 +53,7 @@ AREA = Observable(
 
 
 def cluster_map(contact: np.ndarray, periodic: bool = True) -> np.ndarray:
-    """Number the clusters of a map by size: 0 without contact, 1 in the largest cluster, 2 in the next, and so on.
-
-    Points belong to one cluster if a chain of neighbours along y or x connects them, across the edges if periodic.
-    """
+    """Number the clusters of a map, chains of neighbours along y or x, by size: 0 without contact, 1 in the largest."""
     from scipy import ndimage  # slow to import
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -81,11 +71,6 @@ def cluster_map(contact: np.ndarray, periodic: bool = True) -> np.ndarray:
     rank = np.empty(clusters, int)
     rank[np.argsort(-sizes, kind="stable")] = np.arange(1, clusters + 1)
     return np.concatenate([[0], rank[cluster_of]])[labels]
-
-
-def cluster_sizes(contact: np.ndarray, periodic: bool = True) -> np.ndarray:
-    """Points of each cluster of a map (see :func:`cluster_map`), shape (clusters,), the largest first."""
-    return np.bincount(cluster_map(contact, periodic).ravel())[1:]
 
 
 def percolates(points: np.ndarray, periodic: bool = True) -> bool:
@@ -113,7 +98,7 @@ def percolates(points: np.ndarray, periodic: bool = True) -> bool:
 
 
 def _clusters(state: InterfaceState, _: Bins) -> dict[str, Value]:
-    sizes = cluster_sizes(state.contact, state.periodic)
+    sizes = np.bincount(cluster_map(state.contact, state.periodic).ravel())[1:]
     return {
         "cluster_count": sizes.size,
         "largest_cluster_area": float(sizes.max(initial=0) / state.contact.size),
@@ -175,12 +160,9 @@ def _autocorrelation(state: InterfaceState, _: Bins) -> dict[str, Value]:
     return {"contact_autocorrelation": contact_autocorrelation(state.contact, state.spacing, state.periodic)}
 
 
+_PAIRS = "share of the pairs of points a distance apart that are both in contact"
 AUTOCORRELATION = Observable(
-    {
-        "contact_autocorrelation": Variable(
-            "1", "share of the pairs of points a distance apart that are both in contact", ("step", "relative_distance")
-        )
-    },
+    {"contact_autocorrelation": Variable("1", _PAIRS, ("step", "relative_distance"))},
     _autocorrelation,
     averaged=False,  # rings without a lag have no mean
 )

@@ -8,7 +8,11 @@ import numpy as np
 from contact_study.numerics.distributions import Bins, probability_density
 from contact_study.results.state import FLAG, PASSED, InterfaceState, Observable, Value, Variable
 
-_PASSED_DIMS = ("step", "passed")
+_PASSED = ("step", "passed")
+
+
+def _noted(units: str, long_name: str, comment: str) -> Variable:
+    return Variable(units, long_name, attrs={"comment": comment})
 
 
 def _read(state: InterfaceState, bins: Bins) -> dict[str, Value]:
@@ -37,27 +41,25 @@ MECHANICS = Observable(
         "mean_pressure": Variable("Pa", "mean normal pressure at the interface, compression positive"),
         "total_force": Variable("N", "mean pressure times the area of the cell, compression positive"),
         "mean_gap": Variable("m", "mean local gap minus the law's equilibrium distance"),
-        "mean_separation": Variable(
+        "mean_separation": _noted(
             "m",
             "distance of the mean planes of block and surface minus the equilibrium distance",
-            attrs={"comment": "conjugate to the pressure; layer: plane of its undeformed surface"},
+            "conjugate to the pressure; layer: plane of its undeformed surface",
         ),
         "passed_pressure": Variable(
-            "Pa", "mean pressure of each state passed since the last point; detached: the load", _PASSED_DIMS
+            "Pa", "mean pressure of each state passed since the last point; detached: the load", _PASSED
         ),
         "passed_separation": Variable(
-            "m", "mean separation of each state passed since the last point; detached: infinite", _PASSED_DIMS
+            "m", "mean separation of each state passed since the last point; detached: infinite", _PASSED
         ),
         "passed_energy": Variable(
-            "J m-2", "elastic and interaction energy per nominal area of each state passed", _PASSED_DIMS
+            "J m-2", "elastic and interaction energy per nominal area of each state passed", _PASSED
         ),
-        "elastic_energy": Variable(
+        "elastic_energy": _noted(
             "J m-2",
             "elastic energy per nominal area",
-            attrs={
-                "comment": "sampled atoms: includes thermal energy of the bottom layer; warm atoms in motion: includes "
-                "that of all nodes of the block"
-            },
+            "sampled atoms: includes thermal energy of the bottom layer; warm atoms in motion: includes "
+            "that of all nodes of the block",
         ),
         "interaction_energy": Variable("J m-2", "interaction energy per nominal area"),
         "relative_plastic_area": Variable("1", "plastically deformed area so far over nominal area"),
@@ -70,10 +72,10 @@ MECHANICS = Observable(
 
 FURTHER = Observable(
     {
-        "contact_stiffness": Variable(
+        "contact_stiffness": _noted(
             "Pa m-1",
             "contact stiffness -dp/du of the linearised problem",
-            attrs={"comment": "u: mean gap; free boundaries: position of the undeformed surface"},
+            "u: mean gap; free boundaries: position of the undeformed surface",
         ),
         "dissipated_energy": Variable("J m-2", "energy dissipated in jumps so far per nominal area, without pull-off"),
         "dissipated_energy_resolution_error": Variable(
@@ -81,23 +83,21 @@ FURTHER = Observable(
         ),
         "plastic_work": Variable("J m-2", "plastic work so far per nominal area"),
         "viscous_dissipation": Variable("J m-2", "energy dissipated by the viscoelastic solid so far per nominal area"),
-        "temperature": Variable(
+        "temperature": _noted(
             "K",
             "kinetic temperature of the nodes, driven plane: in its frame",
-            attrs={"comment": "by velocities in the middle of time steps"},
+            "by velocities in the middle of time steps",
         ),
-        "kinetic_energy": Variable(
+        "kinetic_energy": _noted(
             "J m-2",
             "kinetic energy of nodes and rigid plane per nominal area",
-            attrs={"comment": "by velocities at the end of time steps"},
+            "by velocities at the end of time steps",
         ),
-        "mechanical_energy": Variable(
+        "mechanical_energy": _noted(
             "J m-2",
             "mechanical energy of atoms in motion and load per nominal area",
-            attrs={
-                "comment": "kinetic, whole elastic and interaction energy, and the potential of the load: applied "
-                "pressure times height of the rigid plane"
-            },
+            "kinetic, whole elastic and interaction energy, and the potential of the load: applied "
+            "pressure times height of the rigid plane",
         ),
         "overdamped_time": Variable("m Pa-1", "time of overdamped motion over the friction of a unit of area"),
         "overdamped_load": Variable("Pa", "mean pressure on a state in overdamped motion"),
@@ -119,24 +119,22 @@ SOLVER_REPORT = Observable(
                 "prescribed gap or approach does not detach",
             },
         ),
-        "residual": Variable(
+        "residual": _noted(
             "1",
             "error left in the equations of the model, in units of their own scales; see comment",
-            attrs={
-                "comment": "adhesive simulations: largest unbalanced stress over contact modulus, where surfaces touch "
-                "a wall only what it would have to pull; hard wall without adhesion: largest gap inside or penetration "
-                "outside the contact over rms height; Persson's theory: last change of the detachment stress over "
-                "contact modulus; gap-flow theory: mean traction minus pressure over contact modulus, an error of its "
-                "grid; edge flow: last change of a scale's mean response; atoms at a temperature: mean pressure minus "
-                "the applied one over contact modulus, NaN where sampled at a prescribed gap; atoms in motion without "
-                "one: largest unbalanced stress or missing load over contact modulus; driven block, which is not in "
-                "balance: largest unbalanced stress, including thermal forces"
-            },
+            "adhesive simulations: largest unbalanced stress over contact modulus, where surfaces touch "
+            "a wall only what it would have to pull; hard wall without adhesion: largest gap inside or penetration "
+            "outside the contact over rms height; Persson's theory: last change of the detachment stress over "
+            "contact modulus; gap-flow theory: mean traction minus pressure over contact modulus, an error of its "
+            "grid; edge flow: last change of a scale's mean response; atoms at a temperature: mean pressure minus "
+            "the applied one over contact modulus, NaN where sampled at a prescribed gap; atoms in motion without "
+            "one: largest unbalanced stress or missing load over contact modulus; driven block, which is not in "
+            "balance: largest unbalanced stress, including thermal forces",
         ),
-        "complementarity_residual": Variable(
+        "complementarity_residual": _noted(
             "1",
             "violation of the conditions of a wall or a hardness, over the contact modulus",
-            attrs={"comment": "largest pull on the wall where surfaces touch, or pressure beyond a hardness"},
+            "largest pull on the wall where surfaces touch, or pressure beyond a hardness",
         ),
         "iterations": Variable("1", "iterations of the solver", kind="count"),
         "fft_pairs": Variable("1", "pairs of Fourier transforms, in double-precision pairs of the finest grid"),
