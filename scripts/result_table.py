@@ -14,10 +14,9 @@ import numpy as np
 import xarray as xr
 
 from contact_study.inputs.units import quantity
-from contact_study.report.align.cases import case_points, select, series, sweep_points
+from contact_study.report.align.cases import case_points, mean_pressure_unit, scales, select, series, sweep_points
 from contact_study.report.align.deviations import split_pair
-from contact_study.report.align.scales import mean_pressure_unit, scales
-from contact_study.report.facts.findings import find
+from contact_study.report.facts.ranking import find
 from contact_study.report.models import entry_of, file_kinds, spectrum_of
 from contact_study.report.read.files import models_in
 from contact_study.report.text.wording import fixed, number
@@ -54,7 +53,7 @@ def table(models: Mapping[str, xr.Dataset], pressures: Sequence[float]) -> str:
         for pressure in pressures:
             cells = []
             for part in parts.values():
-                named = [one for one in case_points(part, "pressure") if one is not None and one[1:] == (0, 0)]
+                named = [one for one in case_points(part) if one is not None and one[1:] == (0, 0)]
                 step = next((step for step, one in enumerate(named) if np.isclose(float(one[0]), pressure)), None)
                 area, gap = series(part, "relative_contact_area"), series(part, "mean_gap")
                 shown = "–" if step is None else f"{fixed(area.values[step], 4)}; {_gap(gap.values[step] / height)}"

@@ -1,5 +1,5 @@
 """Datasets in, answers out: deviations, figures and report.
 
-Data flows ``read`` → ``compute`` → ``draw`` and ``say``; ``illustrations`` and ``tree`` put together what ``command``
-writes. ``labels`` and ``wording`` are the words that all of them share.
+Data flows ``read`` → ``align`` → ``facts`` → ``figures`` and ``tables`` → ``page``; ``comparison`` puts together what
+the command writes.
 """

@@ -15,15 +15,13 @@ import contact_study
 from contact_study.campaign.dataset.provenance import git_commit
 from contact_study.campaign.store.files import writable_output, writing
 from contact_study.inputs.errors import DONE, NOT_CONVERGED, InputError
-from contact_study.report.align.deviations import MISSING, compute_deviations, pairs_of
-from contact_study.report.align.ensemble import ensemble_statistics
+from contact_study.report.align.deviations import MISSING, compute_deviations, ensemble_statistics, pairs_of
 from contact_study.report.align.regime import compute_regime
-from contact_study.report.facts.findings import find, surface_deviations
-from contact_study.report.facts.overview import steps
+from contact_study.report.facts.overview import effort
+from contact_study.report.facts.ranking import find, surface_deviations
 from contact_study.report.figures import Figures, draw
 from contact_study.report.page import collected_warnings, render_report
-from contact_study.report.read.datasets import Inputs, read_inputs
-from contact_study.report.read.scatter import read_scatter
+from contact_study.report.read.datasets import Inputs, read_inputs, read_scatter
 from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
 
 
@@ -43,13 +41,7 @@ class Request:
 
 
 def compare(asked: Request) -> int:
-    """Compare the datasets, write what is asked for and return the exit status of the command.
-
-    Raises
-    ------
-    InputError
-        If the datasets cannot be compared; nothing is written.
-    """
+    """Compare the datasets, write what is asked for and return the exit status of the command."""
     inputs = read_inputs(asked.datasets, asked.average)
     if asked.reference_pressure is not None and inputs.control != "pressure":
         raise InputError("--reference-pressure: these studies prescribe the gap; leave it out")
@@ -63,12 +55,10 @@ def compare(asked: Request) -> int:
     attrs = _attributes(inputs, asked)
     statistics = ensemble_statistics({scatter.model: scatter.dataset}) if scatter else {}
     from_surfaces = surface_deviations(inputs.models, scatter.model, scatter.dataset) if scatter else None
-    wanted = bool(asked.pictures or asked.report)
-    drawn = (
-        draw(inputs, asked.reference_pressure, list(asked.pictures), scatter, page=asked.report is not None)
-        if wanted
-        else Figures()
-    )
+    drawn = Figures()
+    if asked.pictures or asked.report:
+        pressure, formats = asked.reference_pressure, list(asked.pictures)
+        drawn = draw(inputs, pressure, formats, scatter, page=asked.report is not None)
     scattered = {**statistics, **({} if from_surfaces is None else {"deviations": from_surfaces})}
     tree = comparison_tree(inputs, deviations, regime, attrs, scattered)
     outputs: dict[Path, Callable[[Path], Any]] = {
@@ -83,8 +73,7 @@ def compare(asked: Request) -> int:
         outputs[asked.report] = _writer(page.encode())
     _write(outputs)
     print(*outputs, sep="\n")
-    failed = steps(inputs.models).unconverged
-    if failed:
+    if failed := effort(*inputs.models.values())[1]:
         words = "of the inputs' steps did not converge; they are marked and left out of the deviations"
         print(f"{asked.command}: {failed} {words}", file=sys.stderr)
     return NOT_CONVERGED if failed else DONE
@@ -97,9 +86,8 @@ def comparison_tree(
     attrs: Mapping[str, Any],
     scatter: Mapping[str, xr.Dataset] | None = None,
 ) -> xr.DataTree:
-    """Put the dataset of a comparison together.
+    """Put the dataset of a comparison together: the files' groups, ``regime``, ``deviations`` if there are any.
 
-    It has a group for each file, named after its kind and as in the file itself, ``regime``, and ``deviations`` if any.
     ``ensemble`` holds means and standard errors of each model with several samples, ``scatter`` those of the
     realisations behind the models, and the deviations of the theories from each of these.
     """

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -13,14 +14,18 @@ from contact_study.plots import composites
 from contact_study.plots.panels import STATE_COLOURS, Panel, panels_figure, saved
 from contact_study.plots.style import COLOURS, length_unit, pressure_unit
 from contact_study.report.align import curves, states
-from contact_study.report.align.cases import sweep_points
-from contact_study.report.align.scales import Scales, scales
-from contact_study.report.facts.captions import captions
-from contact_study.report.facts.loops import cycles
-from contact_study.report.facts.shown_states import common_label, panel_points, point_label, state_label
+from contact_study.report.align.cases import Scales, scales, sweep_points
+from contact_study.report.facts.overview import cycles
+from contact_study.report.facts.shown_states import (
+    PanelPoints,
+    captions,
+    common_label,
+    panel_points,
+    point_label,
+    state_label,
+)
 from contact_study.report.models import entry_of
-from contact_study.report.read.datasets import Inputs
-from contact_study.report.read.scatter import Scatter
+from contact_study.report.read.datasets import Inputs, Scatter
 
 _ROW = 3  # states in compression from which a curve is worth logarithmic axes
 _DENSITIES = {
@@ -31,21 +36,11 @@ _DENSITIES = {
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures of a report.
+    """Figures of a report by name."""
 
-    Attributes
-    ----------
-    pages : dict
-        SVG elements by name, with physical units and with reduced ones, or the one for both.
-    captions : dict of str
-        Captions by name.
-    files : dict
-        Files by format and name.
-    """
-
-    pages: dict[str, list[str]] = field(default_factory=dict)
+    pages: dict[str, list[str]] = field(default_factory=dict)  # SVG: in physical and reduced units, or for both
     captions: dict[str, str] = field(default_factory=dict)
-    files: dict[str, dict[str, bytes]] = field(default_factory=dict)
+    files: dict[str, dict[str, bytes]] = field(default_factory=dict)  # by format
 
 
 def draw(
@@ -57,23 +52,14 @@ def draw(
 ) -> Figures:
     """Draw every figure that these datasets allow; theories are shown with the first spectrum of their study.
 
-    Parameters
-    ----------
-    inputs : Inputs
-        What is compared.
-    wanted : float, optional
-        Pressure (Pa) at which the whole sweep is shown; the nearest one of the path is taken.
-    formats : sequence of str
-        Formats of files: physical units of contact areas, reduced ones of all else.
-    scatter : Scatter, optional
-        Realisations whose scatter is shown behind the models.
-    page : bool
-        Whether the elements of a page are drawn, too.
+    The whole sweep is shown at the pressure of the path nearest to the one ``wanted`` (Pa). Files have contact areas in
+    physical units, all else in reduced ones; elements of a page are drawn beside them if there is one.
     """
     inputs = inputs.with_first_spectra
     models, control = inputs.models, inputs.control
-    shown = panel_points(models, control, wanted)
-    scale = scales(models, shown.case)
+    shown, sample = panel_points(models, wanted), _first_sample(inputs)
+    state = state_label(shown.case, point_label(shown.common, scales(models, shown.case), control))
+    place = inputs, shown.case, shown.common, sample
     makers: dict[str, Callable[[bool], Figure]] = {}
     for quantity, (name, *_) in _DENSITIES.items():
         if any(panel.curves for panel in _density_panels(inputs, shown, quantity, True)):
@@ -81,28 +67,21 @@ def draw(
     makers["contact_area"] = partial(_areas, inputs, scatter)
     if any("mean_gap" in dataset and dataset["mean_gap"].notnull().any() for dataset in models.values()):
         makers["mean_gap"] = partial(_gaps, inputs, scatter)
-    state = state_label(shown.case, point_label(shown.common, scale, control))
-    place = inputs, shown.case, shown.common, (sample := _first_sample(inputs))
-    fixed: dict[str, Figure] = {}
+    drawn = {name: [make(False), make(True)] for name, make in makers.items()}
     if maps := states.read_gaps(*place):
-        fixed["gap_map"] = composites.gap_maps({entry_of(name).label: own for name, own in maps.items()}, state)
-        interface = states.read_interface(*place)
-        if interface is not None:
-            fixed["interface"] = composites.interface(interface, state)
-    zoomed = states.read_magnification(*place)
-    if zoomed is not None:
+        drawn["gap_map"] = [composites.gap_maps({entry_of(name).label: own for name, own in maps.items()}, state)]
+        if (interface := states.read_interface(*place)) is not None:
+            drawn["interface"] = [composites.interface(interface, state)]
+    if (zoomed := states.read_magnification(*place)) is not None:
         named = common_label(models, shown.common, control), shown.case.label
-        fixed["magnification"] = composites.magnification(*zoomed, *named)
-    atoms = states.read_atoms(*place)
-    if atoms is not None:
-        fixed["atoms"] = composites.wide(plots.atoms, atoms, 2.2, state)
+        drawn["magnification"] = [composites.magnification(*zoomed, *named)]
+    if (atoms := states.read_atoms(*place)) is not None:
+        drawn["atoms"] = [composites.wide(plots.atoms, atoms, 2.2, state)]
     if found := cycles(inputs):
-        fixed["loop"] = composites.loops(found)
+        drawn["loop"] = [composites.loops(found)]
     theory = next((own for own in models.values() if "persson_tosatti_ratio" in own), None)
     if theory is not None and np.isfinite(theory["finest_tabor_number"]).any():
-        fixed["criteria"] = composites.wide(plots.criteria_map, theory, 3.2)
-    drawn = {name: [make(False), make(True)] for name, make in makers.items()}
-    drawn |= {name: [figure] for name, figure in fixed.items()}
+        drawn["criteria"] = [composites.wide(plots.criteria_map, theory, 3.2)]
     across = curves.pressure_axis(models, False)
     banded = {band.look.label for band in curves.path_bands(inputs.branches, models, across, curves.AREA)}
     files = {
@@ -119,7 +98,7 @@ def draw(
 def _areas(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
     """Contact area against mean pressure, linear and logarithmic; no second panel without compression."""
     across = curves.pressure_axis(inputs.models, reduced)
-    made = curves.path_curves(inputs.models, inputs.control, across, curves.AREA)
+    made = curves.path_curves(inputs.models, across, curves.AREA)
     pressed = (np.log10(curve.x[(curve.x > 0) & (curve.y > 0)]) for curve in made)
     compressed = any(np.unique(logarithms.round(4)).size >= _ROW for logarithms in pressed)
     panels = [
@@ -141,7 +120,7 @@ def _areas(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
 def _gaps(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
     """Pressure against mean gap: logarithmic where there is compression, linear where there is tension."""
     across, up = curves.gap_axis(inputs.models, reduced), curves.pressure_axis(inputs.models, reduced)
-    made = curves.path_curves(inputs.models, inputs.control, across, up)
+    made = curves.path_curves(inputs.models, across, up)
     there = {"log": any((curve.y[curve.finite] > 0).sum() >= _ROW for curve in made)}
     there["linear"] = any((curve.y[curve.finite] < 0).any() for curve in made) or not there["log"]
     panels = [
@@ -161,42 +140,37 @@ def _gaps(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
 
 
 def _strips(inputs: Inputs, scatter: Scatter | None, across: curves.Axis, up: curves.Axis) -> list[Any]:
-    return [] if scatter is None else curves.scatter_strips(inputs.models, scatter, inputs.control, across, up)
+    return [] if scatter is None else curves.scatter_strips(inputs.models, scatter, across, up)
 
 
 def _strip_words(scatter: Scatter | None) -> str:
     return f"{entry_of(scatter.model).label}, {scatter.surfaces} surfaces" if scatter else ""
 
 
-def _densities(inputs: Inputs, shown: Any, quantity: str, reduced: bool) -> Figure:
+def _densities(inputs: Inputs, shown: PanelPoints, quantity: str, reduced: bool) -> Figure:
     return panels_figure(_density_panels(inputs, shown, quantity, reduced))
 
 
-def _density_panels(inputs: Inputs, shown: Any, quantity: str, reduced: bool) -> list[Panel]:
+def _density_panels(inputs: Inputs, shown: PanelPoints, quantity: str, reduced: bool) -> list[Panel]:
     """Distributions over the sweep (a) and over the path of one of its points (b)."""
     models, control = inputs.models, inputs.control
     scale = scales(models, shown.case)
     _, symbol, density = _DENSITIES[quantity]
     if quantity == "pressure":
-        unit, reference = pressure_unit(0.1 * scale.contact_modulus), "E^*"
+        unit, reference, own = pressure_unit(0.1 * scale.contact_modulus), "E^*", attrgetter("contact_modulus")
     else:
-        unit, reference = length_unit(scale.rms_height), r"h_\mathrm{rms}"
+        unit, reference, own = length_unit(scale.rms_height), r"h_\mathrm{rms}", attrgetter("rms_height")
+    unit_of: Callable[[Scales], float] = lambda scale: unit.size  # noqa: E731
+    labels = f"{symbol}$ ({unit.name})", f"density ${density}$ (1/{unit.name})"
     if reduced and (scale.rough or quantity == "pressure"):
         labels = f"{symbol}/{reference}$", rf"density ${density}\,{reference}$"
-    else:
-        labels = f"{symbol}$ ({unit.name})", f"density ${density}$ (1/{unit.name})"
-
-    def unit_of(own: Scales) -> float:
-        if not reduced or not (own.rough or quantity == "pressure"):
-            return unit.size
-        return own.contact_modulus if quantity == "pressure" else own.rms_height
-
+        unit_of = own
     over_sweep = [(point, shown.common, point.label) for point in sweep_points(models)]
     over_path = [(shown.case, named, point_label(named, scale, control, reduced)) for named in shown.several]
     headings = common_label(models, shown.common, control, reduced), shown.case.label
     return [
         Panel(
-            curves.distributions(models, control, quantity, which, unit_of),
+            curves.distributions(models, quantity, which, unit_of),
             *labels,
             "log",
             heading,

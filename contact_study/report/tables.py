@@ -1,45 +1,55 @@
-"""The report's tables: all numbers, agreement, changes along the sweep, loops."""
+"""The report's tables: all numbers, agreement, changes along the sweep, loops; regime, material, effort."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.style import Unit
+from contact_study.plots.style import Unit, length_unit, pressure_unit
 from contact_study.report.align.cases import (
-    SweepPoint,
+    Scales,
     case_points,
+    constant,
+    first_constant,
+    mean_gap_unit,
+    mean_pressure_unit,
+    parts_of,
+    scales,
     select,
     series,
+    state_at,
     sweep_points,
 )
 from contact_study.report.align.deviations import split_pair
-from contact_study.report.align.scales import Scales, mean_gap_unit, mean_pressure_unit, scales
-from contact_study.report.facts.differences import Difference
-from contact_study.report.facts.loops import Loop
+from contact_study.report.facts.overview import Difference, Loop, effort
 from contact_study.report.facts.ranking import AREA, GAP, Ranking
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
+from contact_study.report.text import wording
 from contact_study.report.text.rendering import Both
-from contact_study.report.text.wording import (
-    PRESCRIBED,
-    control_unit,
-    coordinate_label,
-    fixed,
-    force,
-    number,
-    percent,
-    percent_of,
-    pressure,
-    span,
-    with_error,
-)
+from contact_study.report.text.wording import PRESCRIBED, fixed, number, percent_of, pressure, with_error
 from contact_study.study.load_steps import PathPoint
 
 NOTHING = "–"
 _GOOD, _FAIR = 0.05, 0.3  # deviations of the contact area up to which a cell is coloured as good, and as fair
 _UNITS = {"relative_contact_area": "1", "mean_gap": "m", "mean_pressure": "Pa"}
+_REGIME = (
+    ("tabor_parameter", "Tabor parameter μ", 2),
+    ("process_zone", "process zone", 1),
+    ("pixel_over_process_zone", "grid spacing / process zone", 2),
+    ("adhesion_over_elastic_energy", "θ = Δγ S / U_full", 2),
+    ("full_contact_stress_over_peak", "full-contact stress / σ_max", 2),
+    ("rms_slope", "rms gradient", 3),
+)
+_WORK = {
+    "fft_pairs": "FFT pairs",
+    "force_evaluations": "force evaluations",
+    "iterations": "iterations",
+    "wall_time": "time of all steps (s)",
+}
+
+Models = Mapping[str, xr.Dataset]
 
 
 @dataclass(frozen=True)
@@ -54,6 +64,9 @@ class Cell:
     def export(self) -> str:
         """The cell in a file: a number with all its digits, or text."""
         return repr(self.value) if isinstance(self.value, float) else str(self.value or self.text)
+
+
+_EMPTY = Cell(NOTHING, float("nan"))
 
 
 @dataclass(frozen=True)
@@ -84,22 +97,19 @@ def plain_table(header: Sequence[str | Both], rows: Sequence[Sequence[str | Both
 
 def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
     """Every state of every model: means over samples with their errors, and deviations from the first reference."""
-    models, control = inputs.models, inputs.control
-    lead = max(models.values(), key=lambda dataset: len(dataset.dims))
+    models, control, ensemble = inputs.models, inputs.control, inputs.samples > 1
     points = sweep_points(models)
-    symbol, unit = PRESCRIBED[control], control_unit(models, control)
-    modulus = "p/E*" if control == "pressure" else f"{symbol}/{scales(models, points[0]).height_symbol}"
+    symbol, unit, height = PRESCRIBED[control], wording.control_unit(models, control), scales(models, points[0])
+    modulus = "p/E*" if control == "pressure" else f"{symbol}/{height.height_symbol}"
+    applied = Both(f"{symbol} ({unit.name})", modulus), f"applied_{control} ({'Pa' if control == 'pressure' else 'm'})"
     columns = [Column(key.replace("_", " "), key) for key in points[0].selection]
-    columns += [
-        Column(
-            Both(f"{symbol} ({unit.name})", modulus), f"applied_{control} ({'Pa' if control == 'pressure' else 'm'})"
-        ),
-        Column("branch", "branch"),
-        Column("model", "model"),
-    ]
-    ensemble = inputs.samples > 1
-    shown = ["relative_contact_area", "mean_gap", *([] if control == "pressure" else ["mean_pressure"])]
-    heads = {name: _head(name, models, scales(models, points[0])) for name in shown}
+    columns += [Column(*applied), Column("branch", "branch"), Column("model", "model")]
+    heads: dict[str, str | Both] = {
+        "relative_contact_area": "A/A₀",
+        "mean_gap": Both(f"ū ({mean_gap_unit(models).name})", f"ū/{height.height_symbol}"),
+        "mean_pressure": Both(f"p ({mean_pressure_unit(models).name})", "p/E*"),
+    }
+    shown = [name for name in heads if (name, control) != ("mean_pressure", "pressure")]
     for name in shown:
         columns.append(Column(heads[name], f"{name} ({_UNITS[name]})"))
         columns += [Column("±", f"{name}_standard_error ({_UNITS[name]})")] if ensemble else []
@@ -107,44 +117,33 @@ def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
     reference = "" if deviations is None else split_pair(str(deviations["pair"].values[0]))[1]
     if reference:
         short, gaps = entry_of(reference).short, mean_gap_unit(models).name
-        heads |= {"gap": Both(f"ū − {short} ({gaps})", f"(ū − {short})/{scales(models, points[0]).height_symbol}")}
-        columns += [
-            Column(f"A against {short}", f"{AREA} ({reference})"),
-            Column(heads["gap"], f"{GAP} ({reference}, m)"),
-        ]
-    columns.append(Column("state", "state"))
-    table = Table(columns)
+        gap = Both(f"ū − {short} ({gaps})", f"(ū − {short})/{height.height_symbol}")
+        columns += [Column(f"A against {short}", f"{AREA} ({reference})"), Column(gap, f"{GAP} ({reference}, m)")]
+    table = Table([*columns, Column("state", "state")])
+    lead = max(models.values(), key=lambda dataset: len(dataset.dims))
+    units = {key: lead[key].attrs.get("units", "1") if key in lead.dims else "1" for key in points[0].selection}
     for point in points:
         scale = scales(models, point)
+        keys = [Cell(wording.coordinate_label(k, v, units[k]), _raw(v)) for k, v in point.selection.items()]
         parts = {name: part for name, dataset in models.items() if (part := select(dataset, point)) is not None}
-        found = {
-            name: {quantity: series(part, quantity) for quantity in shown if quantity in part}
-            for name, part in parts.items()
-        }
-        paths = {name: case_points(part, control) for name, part in parts.items()}
+        found = {name: {own: series(part, own) for own in shown if own in part} for name, part in parts.items()}
+        paths = {name: case_points(part) for name, part in parts.items()}
         for named in dict.fromkeys(one for path in paths.values() for one in path if one is not None):
-            for name, part in parts.items():
-                if named not in paths[name]:
-                    continue
+            for name in (name for name in parts if named in paths[name]):
                 step = paths[name].index(named)
-                keys = [
-                    Cell(coordinate_label(k, v, lead[k].attrs.get("units", "1") if k in lead.dims else "1"), _raw(v))
-                    for k, v in point.selection.items()
-                ]
                 row = [*keys, *_point_cells(named, unit, scale, control), Cell(entry_of(name).label, name)]
                 for quantity in shown:
                     own = found[name].get(quantity)
-                    value, error = (np.nan, np.nan) if own is None else (own.values[step], own.standard_error[step])
-                    row.append(_quantity(quantity, float(value), models, scale))
-                    row += [_quantity(quantity, float(error), models, scale)] if ensemble else []
+                    both = (np.nan, np.nan) if own is None else (own.values[step], own.standard_error[step])
+                    row += [_quantity(quantity, float(value), models, scale) for value in both[: 1 + ensemble]]
                 area = found[name]["relative_contact_area"]
                 row += [Cell(str(int(area.samples[step])), float(area.samples[step]))] if ensemble else []
-                row += (
-                    _deviation_cells(deviations, f"{name} - {reference}", point, named, control, scale, models)
-                    if reference
-                    else []
-                )
-                row.append(Cell(_state(part, step, bool(area.fit[step]))))
+                if deviations is not None:
+                    pair = f"{name} - {reference}"
+                    own_pair = deviations.sel(pair=pair) if pair in deviations["pair"].values else None
+                    here = None if own_pair is None else state_at(own_pair, point, named)
+                    row += [_EMPTY, _EMPTY] if here is None else _deviation_cells(here, scale, mean_gap_unit(models))
+                row.append(Cell(_state(parts[name].isel(step=step), bool(area.fit[step]))))
                 table.rows.append(row)
     return table
 
@@ -156,110 +155,64 @@ def _raw(value: object) -> float | str:
 def _point_cells(named: PathPoint, unit: Unit, scale: Scales, control: str) -> list[Cell]:
     value = float(named[0])
     size = scale.contact_modulus if control == "pressure" else scale.rms_height
-    words = "unloading" if named[1] else "loading"
     visit = f", visit {named[2] + 1}" if named[2] else ""
-    return [Cell(Both(number(value / unit.size, 5), number(value / size, 4)), value), Cell(words + visit)]
+    words = ("unloading" if named[1] else "loading") + visit
+    return [Cell(Both(number(value / unit.size, 5), number(value / size, 4)), value), Cell(words)]
 
 
-def _head(name: str, models: Mapping[str, xr.Dataset], scale: Scales) -> str | Both:
-    if name == "relative_contact_area":
-        return "A/A₀"
-    if name == "mean_gap":
-        return Both(f"ū ({mean_gap_unit(models).name})", f"ū/{scale.height_symbol}")
-    return Both(f"p ({mean_pressure_unit(models).name})", "p/E*")
-
-
-def _quantity(name: str, value: float, models: Mapping[str, xr.Dataset], scale: Scales) -> Cell:
+def _quantity(name: str, value: float, models: Models, scale: Scales) -> Cell:
     if not np.isfinite(value):
-        return Cell(NOTHING, float("nan"))
+        return _EMPTY
     if name == "relative_contact_area":
         return Cell(fixed(value, 4), value)
     if name == "mean_gap":
         return Cell(Both(number(value / mean_gap_unit(models).size, 4), fixed(value / scale.rms_height, 3)), value)
-    return Cell(
-        Both(number(value / mean_pressure_unit(models).size, 4), number(value / scale.contact_modulus, 4)), value
-    )
+    sizes = mean_pressure_unit(models).size, scale.contact_modulus
+    return Cell(Both(*(number(value / size, 4) for size in sizes)), value)
 
 
-def _state(part: xr.Dataset, step: int, fit: bool) -> str:
-    here = part.isel(step=step)
-    if "detached" in here and bool((here["detached"] == 1).all()):
+def _state(here: xr.Dataset, fit: bool) -> str:
+    if bool((here.get("detached", np.False_) == 1).all()):
         return "detached"
     if fit:
         return "converged"
-    return "not converged" if "converged" in here and bool((here["converged"] == 0).any()) else NOTHING
+    return "not converged" if bool((here.get("converged", np.True_) == 0).any()) else NOTHING
 
 
-def _deviation_cells(
-    deviations: xr.Dataset | None,
-    pair: str,
-    point: SweepPoint,
-    named: PathPoint,
-    control: str,
-    scale: Scales,
-    models: Mapping[str, xr.Dataset],
-) -> list[Cell]:
+def _deviation_cells(here: xr.Dataset, scale: Scales, unit: Unit) -> list[Cell]:
     """Relative deviation of the area and that of the mean gap from the reference, means over paired samples."""
-    empty = [Cell(NOTHING, float("nan"))] * 2
-    if deviations is None or pair not in deviations["pair"].values:
-        return empty
-    part = select(deviations.sel(pair=pair), point)
-    if part is None or named not in (path := case_points(part, control)):
-        return empty
-    here, cells = part.isel(step=path.index(named)), []
+    cells = []
     for name in (AREA, GAP):
-        if name not in here:
-            cells.append(empty[0])
-            continue
-        mean = here[f"{name}_mean"] if f"{name}_mean" in here else here[name]
-        value = float(mean)
-        error = float(here[f"{name}_standard_error"]) if f"{name}_standard_error" in here else np.nan
-        unit = mean_gap_unit(models).size
-        if not np.isfinite(value):
-            cells.append(empty[0])
-        elif name == AREA:
-            cells.append(Cell(percent(value, error), value))
-        else:
-            reduced = with_error(value / scale.rms_height, error / scale.rms_height, 3, plus=True)
-            cells.append(Cell(Both(with_error(value / unit, error / unit, 3, plus=True), reduced), value))
+        value = float(here[f"{name}_mean" if f"{name}_mean" in here else name]) if name in here else np.nan
+        error = float(here.get(f"{name}_standard_error", np.nan))
+        words = wording.percent(value, error) if name == AREA else _in_both(value, error, unit, scale)
+        cells.append(Cell(words, value) if np.isfinite(value) else _EMPTY)
     return cells
 
 
-def agreement_table(inputs: Inputs, rankings: Sequence[Ranking], gaps: bool = False) -> Table:
-    """Mean magnitude of the deviations from the reference, a model a row, a point of the sweep a column.
+def _in_both(value: float, error: float, unit: Unit, scale: Scales) -> Both:
+    """A change of gap (m) with its error."""
+    return Both(*(with_error(value / size, error / size, 3, plus=True) for size in (unit.size, scale.rms_height)))
 
-    Parameters
-    ----------
-    inputs : Inputs
-        What is compared.
-    rankings : sequence of Ranking
-        Of one reference.
-    gaps : bool
-        Whether mean gaps are shown, not contact areas.
+
+def agreement_table(inputs: Inputs, rankings: Sequence[Ranking], gaps: bool = False) -> Table:
+    """Mean magnitude of the deviations of contact areas, or of mean gaps, from the one reference of the rankings.
+
+    A model is a row, a point of the sweep a column.
     """
-    points = {point.label: point for point in sweep_points(inputs.models)}
     unit = mean_gap_unit(inputs.models)
-    names = dict.fromkeys(
-        name for name in inputs.models for ranking in rankings for one in ranking.distances if one.model == name
-    )
-    table = Table(
-        [
-            Column(""),
-            *(Column(f"{ranking.at or 'all states'}{' ⚠' if ranking.trapped else ''}") for ranking in rankings),
-        ]
-    )
-    for name in names:
+    ranked = [{one.model: one for one in ranking.distances} for ranking in rankings]
+    heads = [f"{ranking.at.label or 'all states'}{' ⚠' if ranking.trapped else ''}" for ranking in rankings]
+    table = Table([Column(head) for head in ("", *heads)])
+    for name in (name for name in inputs.models if any(name in own for own in ranked)):
         row = [Cell(entry_of(name).label)]
-        for ranking in rankings:
-            one = next((one for one in ranking.distances if one.model == name), None)
+        for ranking, own in zip(rankings, ranked, strict=True):
+            one, scale = own.get(name), scales(inputs.models, ranking.at)
             if one is None or not np.isfinite(one.gap if gaps else one.area):
                 row.append(Cell(NOTHING))
             elif gaps:
-                height = scales(inputs.models, points[ranking.at]).rms_height
-                sizes = one.gap * height / unit.size, one.gap_error * height / unit.size
-                reduced = (
-                    f"{with_error(one.gap, one.gap_error, 3)} {scales(inputs.models, points[ranking.at]).height_symbol}"
-                )
+                sizes = one.gap * scale.rms_height / unit.size, one.gap_error * scale.rms_height / unit.size
+                reduced = f"{with_error(one.gap, one.gap_error, 3)} {scale.height_symbol}"
                 row.append(Cell(Both(f"{with_error(*sizes, 3)} {unit.name}", reduced), one.gap))
             else:
                 grade = "good" if one.area <= _GOOD else "fair" if one.area <= _FAIR else "poor"
@@ -270,42 +223,27 @@ def agreement_table(inputs: Inputs, rankings: Sequence[Ranking], gaps: bool = Fa
 
 def difference_table(inputs: Inputs, found: Sequence[Difference]) -> Table:
     """Changes along the sweep, a row for each model and neighbouring points."""
-    points = {point.label: point for point in sweep_points(inputs.models)}
-    unit = mean_gap_unit(inputs.models)
-    gaps = Both(f"ū ({unit.name})", f"ū/{scales(inputs.models, points[next(iter(points))]).height_symbol}")
+    unit, first = mean_gap_unit(inputs.models), scales(inputs.models, sweep_points(inputs.models)[0])
     rows: list[list[str | Both]] = []
     for one in found:
-        height = scales(inputs.models, points[one.before]).rms_height
-        words = (with_error(one.gap[0] / size, one.gap[1] / size, 3, plus=True) for size in (unit.size, height))
-        rows.append(
-            [
-                *(one.before, one.after, entry_of(one.model).label, str(one.states), str(one.samples)),
-                with_error(one.area[0], one.area[1], 4, plus=True),
-                Both(*words) if np.isfinite(one.gap[0]) else NOTHING,
-            ]
-        )
+        words = _in_both(*one.gap, unit, scales(inputs.models, one.before)) if np.isfinite(one.gap[0]) else NOTHING
+        counts = one.before.label, one.after.label, entry_of(one.model).label, str(one.states), str(one.samples)
+        rows.append([*counts, with_error(*one.area, 4, plus=True), words])
+    gaps = Both(f"ū ({unit.name})", f"ū/{first.height_symbol}")
     return plain_table(["from", "to", "model", "states", "samples", "A/A₀", gaps], rows)
 
 
 def loop_table(inputs: Inputs, found: Sequence[Loop]) -> Table:
     """Pull-off, jump-in and energies, a row for each model and point of the sweep."""
-    points = {point.label: point for point in sweep_points(inputs.models)}
     rows = []
     for one in found:
-        modulus = scales(inputs.models, points[one.at]).contact_modulus
-        words: list[str | Both] = [one.at, entry_of(one.model).label, pull_off_words(one, modulus)]
-        words += [force(one.force) if one.reached else NOTHING, _both_pressures(one.jump_in, modulus)]
-        words += [number(value, 3) if np.isfinite(value) else NOTHING for value in (one.dissipated, one.separation)]
+        modulus = scales(inputs.models, one.at).contact_modulus
+        words: list[str | Both] = [one.at.label, entry_of(one.model).label, pull_off_words(one, modulus)]
+        words += [wording.force(one.force) if one.reached else NOTHING, _both_pressures(one.jump_in, modulus)]
+        words += [_or_nothing(number, value, 3) for value in (one.dissipated, one.separation)]
         rows.append(words)
-    header = [
-        "",
-        "model",
-        "pull-off pressure",
-        "pull-off force",
-        "jump-in",
-        "dissipated (J/m²)",
-        "work of separation (J/m²)",
-    ]
+    energies = "dissipated (J/m²)", "work of separation (J/m²)"
+    header = ["", "model", "pull-off pressure", "pull-off force", "jump-in", *energies]
     used = [n for n, _ in enumerate(header) if n < 3 or any(row[n] != NOTHING for row in rows)]
     return plain_table([header[n] for n in used], [[row[n] for n in used] for row in rows])
 
@@ -321,8 +259,64 @@ def pull_off_words(one: Loop, modulus: float) -> str | Both:
 def _both_pressures(value: float, modulus: float, below: float = np.nan) -> str | Both:
     if not np.isfinite(value):
         return NOTHING
-    between = np.isfinite(below) and abs(below - value) > 1e-3 * abs(value)
-    physical, reduced = pressure(value, 4), f"{number(value / modulus, 3)} E*"
-    if not between:
-        return Both(physical, reduced)
-    return Both(span(pressure(below, 4), physical), span(f"{number(below / modulus, 3)} E*", reduced))
+    low = below if np.isfinite(below) and abs(below - value) > 1e-3 * abs(value) else value
+    ends = zip(*((pressure(end, 4), f"{number(end / modulus, 3)} E*") for end in (low, value)), strict=True)
+    return Both(*(wording.span(*own) for own in ends))
+
+
+def regime_table(models: Models, regime: xr.Dataset) -> Table:
+    """Regime numbers, a row for each point of the sweep, without columns that have no number."""
+    zone = length_unit(float(regime["process_zone"].fillna(0).max()))
+    columns = [column for column in _REGIME if (regime[column[0]].fillna(0) != 0).any()]
+    sizes = {"process_zone": zone.size}
+    rows = [
+        [
+            at.label,
+            *(_or_nothing(fixed, float(part[name]) / sizes.get(name, 1.0), digits) for name, _, digits in columns),
+        ]
+        for at, _, part in parts_of({"": regime}, sweep_points(models))
+    ]
+    header = [f"{words} ({zone.name})" if name == "process_zone" else words for name, words, _ in columns]
+    return plain_table(["", *header], rows)
+
+
+def constants_table(models: Models) -> Table:
+    """Inputs of continuum and theories beside what the atomistic model measured on itself."""
+    stress = pressure_unit(max(first_constant(models, point, "contact_modulus") for point in sweep_points(models)))
+    distance, height = (
+        length_unit(max((float(own[name].max()) for own in models.values() if name in own), default=0.0))
+        for name in ("equilibrium_distance", "rms_height")
+    )
+    columns = {
+        "contact_modulus": (f"E* ({stress.name})", stress.size),
+        "work_of_adhesion": ("Δγ (J/m²)", 1.0),
+        "equilibrium_distance": (f"d_eq ({distance.name})", distance.size),
+        "peak_tensile_stress": (f"σ_max ({stress.name})", stress.size),
+        "rms_height": (f"h_rms ({height.name})", height.size),
+        "rms_slope": ("rms gradient", 1.0),
+    }
+    used = {name: column for name, column in columns.items() if any(name in dataset for dataset in models.values())}
+    rows = []
+    for point, model, part in parts_of(models):
+        if any(name in part for name in used):
+            cells = [_or_nothing(number, constant(part, name) / size, 5) for name, (_, size) in used.items()]
+            rows.append([point.label, entry_of(model).label, *cells])
+    return plain_table(["", "model", *(words for words, _ in used.values())], rows)
+
+
+def effort_table(models: Models) -> Table:
+    """Work done by each model and how its steps ended."""
+    used = {name: words for name, words in _WORK.items() if any(name in dataset for dataset in models.values())}
+    rows = []
+    for model, dataset in models.items():
+        work = [
+            f"{float(own.where(own >= 0).sum()):.0f}" if own is not None else NOTHING for own in map(dataset.get, used)
+        ]
+        residual = dataset.get("residual", xr.DataArray(np.nan)).where(dataset.get("detached", 0) != 1)
+        endings = map(str, effort(dataset))
+        rows.append([entry_of(model).label, *endings, f"{float(residual.max()):.1e}".replace("-", "−"), *work])
+    return plain_table(["model", "steps", "not converged", "detached", "largest residual", *used.values()], rows)
+
+
+def _or_nothing(show: Callable[[float, int], str], value: float, digits: int) -> str:
+    return show(value, digits) if np.isfinite(value) else NOTHING

@@ -183,7 +183,7 @@ def test_picture_shows_the_row_under_the_largest_tension(dataset):
 def test_comparison_reads_the_atoms_of_its_state(dataset):
     inputs = read_inputs([pathlib.Path(dataset.encoding["source"])])
     assert "normal_stress" not in inputs.models["atomistic"]  # fields stay in the file
-    held, torn = (panel_points(inputs.models, inputs.control, pressure) for pressure in (0.5e9, -3.5e9))
+    held, torn = (panel_points(inputs.models, pressure) for pressure in (0.5e9, -3.5e9))
     found = read_atoms(inputs, held.case, held.common, None)
     assert set(NEEDED) <= set(found.variables)
     for name in NEEDED:

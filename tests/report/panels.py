@@ -4,17 +4,9 @@ import html
 import re
 
 from contact_study.plots.panels import Panel, panels_figure
-from contact_study.report.align.cases import sweep_points
-from contact_study.report.align.curves import (
-    AREA,
-    distributions,
-    gap_axis,
-    path_bands,
-    path_curves,
-    pressure_axis,
-    scatter_strips,
-)
-from contact_study.report.align.scales import scales
+from contact_study.report.align import curves
+from contact_study.report.align.cases import scales, sweep_points
+from contact_study.report.align.curves import AREA, gap_axis, pressure_axis
 from contact_study.report.facts.shown_states import point_label
 from contact_study.start import contact_compare
 
@@ -32,41 +24,47 @@ def text_of(page):
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", "", body)).replace("\u00a0", " "))
 
 
-def area_curves(models, control="pressure", reduced=False):
-    return path_curves(models, control, pressure_axis(models, reduced), AREA)
+def reported(folder, *paths, options=()):
+    """Exit status and words of the report."""
+    status = run(*paths, "-o", folder / "out.nc", "--report", folder / "report.html", *options)
+    return status, text_of((folder / "report.html").read_text(encoding="utf-8"))
 
 
-def gap_curves(models, control="pressure", reduced=True):
-    return path_curves(models, control, gap_axis(models, reduced), pressure_axis(models, reduced))
+def area_curves(models, reduced=False):
+    return curves.path_curves(models, pressure_axis(models, reduced), AREA)
 
 
-def area_bands(inputs, reduced=False):
-    return path_bands(inputs.branches, inputs.models, pressure_axis(inputs.models, reduced), AREA)
+def gap_curves(models, reduced=True):
+    return curves.path_curves(models, gap_axis(models, reduced), pressure_axis(models, reduced))
 
 
-def gap_bands(inputs, reduced=True):
-    axes = pressure_axis(inputs.models, reduced), gap_axis(inputs.models, reduced)
-    return path_bands(inputs.branches, inputs.models, *axes)
+def bands(inputs, quantity=None):
+    """Of areas in physical units, or of mean gaps in reduced ones."""
+    along = pressure_axis(inputs.models, quantity == "gap")
+    return curves.path_bands(
+        inputs.branches, inputs.models, along, gap_axis(inputs.models, True) if quantity == "gap" else AREA
+    )
 
 
-def area_strips(models, scatter):
-    return scatter_strips(models, scatter, "pressure", pressure_axis(models, False), AREA)
-
-
-def density_curves(name, models, control, shown, reduced=True):
+def density_curves(name, models, shown):
     """Curves of both panels of a figure of distributions, in reduced units."""
+    scale = scales(models, shown.case)
     over_sweep = [(point, shown.common, point.label) for point in sweep_points(models)]
-    unit = scales(models, shown.case)
-    over_path = [(shown.case, named, point_label(named, unit, control, reduced)) for named in shown.several]
+    over_path = [(shown.case, named, point_label(named, scale, "pressure", True)) for named in shown.several]
 
     def unit_of(scale):
         return scale.contact_modulus if name == "pressure" else scale.rms_height
 
-    return tuple(distributions(models, control, name, states, unit_of) for states in (over_sweep, over_path))
+    return tuple(curves.distributions(models, name, states, unit_of) for states in (over_sweep, over_path))
 
 
-def figure_of(curves, kind="linear", **options):
-    return panels_figure([Panel(curves, "x", "y", kind, **options)])
+def one(found, model, colour):
+    (own,) = [curve for curve in found if (curve.model, curve.colour) == (model, colour)]
+    return own
+
+
+def figure_of(made, kind="linear", **options):
+    return panels_figure([Panel(made, "x", "y", kind, **options)])
 
 
 def at(shown, sample=None):

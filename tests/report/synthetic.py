@@ -55,16 +55,18 @@ GAP_STUDY = (
 )
 
 SINGLE = STUDY[: STUDY.index("[sweep]")]
+LOOP = SINGLE.replace("[output]", "unload = true\n[output]")
+HARD = SINGLE.replace('well_depth = "18.6 meV"', 'law = "hard_wall"')
+HARD = HARD.replace('length = "3.28 angstrom"\ncontact_distance = "3.68 angstrom"\n', "")
+SEEDS = np.array([1, 2, 3])
 SEEDED = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
+HEIGHTS = STUDY.replace("[sweep]\n", '[sweep]\n"surface.rms_height" = ["9 angstrom", "10 angstrom", "12 angstrom"]\n')
 MODULUS = 77.2e9 / (1 - 0.42**2)
 PRESSURES = {1: [0.1e9, 0.7799e9, 5.8725e9], 8: [0.1e9, -0.4987e9, 0.7799e9, 5.8725e9]}
 
-# Contact areas: the continuum's times these.
+# Contact areas are the continuum's times these, mean gaps the continuum's plus these (m).
 AREA_FACTOR = {"continuum": 1.0, "atomistic": 0.9, "persson": 0.5, "gap_flow": 1.25}
-# Mean gaps: the continuum's plus these (m).
 GAP_SHIFT = {"continuum": 0.0, "atomistic": 0.5e-10, "persson": -1e-10, "gap_flow": 0.2e-10}
-
-
 # The gap-flow theory's branches: areas times these, mean gaps divided by them.
 BRANCH_FACTOR = {"loading": 0.8, "unloading": 1.1}
 
@@ -82,6 +84,15 @@ def gap(ratio, pressure, seed=1):
 def pressure_at(applied_gap):
     """The made-up mean pressure at a prescribed gap: tension beyond half a nanometre."""
     return 1e9 * (0.5 - applied_gap / 1e-9)
+
+
+def of_seeds(made, ratio):
+    """Made-up values on the path, a seed a row."""
+    return made(ratio, np.array([PRESSURES[ratio]]), SEEDS[:, None])
+
+
+def standard_error(values):
+    return np.std(values, axis=0, ddof=1) / np.sqrt(len(values))
 
 
 def study(text=STUDY):
@@ -116,38 +127,22 @@ def _assemble(path, kind, text, unconverged, detached, attrs):
         ]
         cases.append((case.index, _constants(case, kind), steps))
     longest = max(len(steps) for _, _, steps in cases)
-    groups = assemble(
-        asked.sweep,
-        longest,
-        cases,
-        {"pressure_bin": bins.pressure, "gap_bin": bins.gap, "relative_distance": RELATIVE_DISTANCE},
-    )
-    groups[""].attrs.update(
-        {
-            "Conventions": "CF-1.11",
-            "title": asked.title,
-            "source": f"synthetic {kind}",
-            "history": "2026-01-01T00:00:00+00:00: made up",
-            "references": "none",
-            "git_commit": "0" * 40,
-            "warnings": "",
-            "model": kind,
-            "study_toml": asked.toml,
-            "schema_version": SCHEMA_VERSION,
-            "version": "0.1.0",
-        }
-        | attrs
-    )
+    along = {"pressure_bin": bins.pressure, "gap_bin": bins.gap, "relative_distance": RELATIVE_DISTANCE}
+    groups = assemble(asked.sweep, longest, cases, along)
+    own = {"title": asked.title, "source": f"synthetic {kind}", "model": kind, "study_toml": asked.toml}
+    own |= {"history": "2026-01-01T00:00:00+00:00: made up", "references": "none", "warnings": ""}
+    own |= {"schema_version": SCHEMA_VERSION, "version": "0.1.0", "git_commit": "0" * 40, "Conventions": "CF-1.11"}
+    groups[""].attrs.update(own | attrs)
     write_dataset(path, groups)
 
 
-def read(folder, text=STUDY, kinds=("continuum", "atomistic"), **options):
+def write_all(folder, text=STUDY, kinds=("continuum", "atomistic", "theory"), **options):
+    return [write(folder / f"{kind}.nc", kind, text, **options) for kind in kinds]
+
+
+def read(folder, text=STUDY, kinds=("continuum", "atomistic"), average=None, **options):
     """Write datasets of some kinds and read them as a comparison does."""
-    return read_inputs([write(folder / f"{kind}.nc", kind, text, **options) for kind in kinds])
-
-
-def write_all(folder, text=STUDY, **options):
-    return [write(folder / f"{kind}.nc", kind, text, **options) for kind in ("continuum", "atomistic", "theory")]
+    return read_inputs(write_all(folder, text, kinds, **options), average)
 
 
 def _constants(case, kind):
@@ -157,11 +152,9 @@ def _constants(case, kind):
         "work_of_adhesion": case.work_of_adhesion,
         "equilibrium_distance": case.law.equilibrium_distance,
         "peak_tensile_stress": getattr(case.law, "peak_tensile_stress", 0.0),
-        "surface_size_y": surface.size[0],
-        "surface_size_x": surface.size[1],
-        "rms_height": surface.rms_height,
-        "rms_slope": surface.rms_slope,
         "contact_distance": case.contact_distance,
+        **dict(zip(("surface_size_y", "surface_size_x"), surface.size, strict=True)),
+        **{name: getattr(surface, name) for name in ("rms_height", "rms_slope")},
     }
     if kind != "theory":
         y, x = surface.grid.coordinates

@@ -1,19 +1,40 @@
-"""Deviations against hand-computed numbers; points of different paths find each other."""
+"""Deviations and means over samples against hand-computed numbers; points of different paths find each other."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.inputs.errors import InputError
 from contact_study.report.align.deviations import (
     COMPARED,
     DETACHED,
     MISSING,
     NOT_CONVERGED,
     compute_deviations,
+    ensemble_statistics,
+    pairs_of,
 )
 from contact_study.report.read.datasets import read_inputs
 from contact_study.study.load_steps import path_points
-from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, STUDY, area, gap, write, write_all
+from tests.report.panels import area_curves, reported, run
+from tests.report.synthetic import (
+    AREA_FACTOR,
+    GAP_SHIFT,
+    HEIGHTS,
+    SEEDED,
+    SEEDS,
+    SINGLE,
+    STUDY,
+    area,
+    gap,
+    of_seeds,
+    read,
+    standard_error,
+    write,
+    write_all,
+)
+
+BOTH = ("continuum", "atomistic")
 
 
 def deviations(paths):
@@ -22,13 +43,6 @@ def deviations(paths):
 
 def test_every_pair_by_hand(tmp_path):
     found = deviations(write_all(tmp_path))
-    assert list(found["pair"].values) == [
-        "continuum - atomistic",
-        "persson - atomistic",
-        "gap_flow - atomistic",
-        "persson - continuum",
-        "gap_flow - continuum",
-    ]
     assert found["relative_contact_area_deviation"].dims == ("pair", "well_depth_ratio", "step")
     np.testing.assert_array_equal(
         found["applied_pressure"], [[0.1e9, 0.7799e9, 5.8725e9, np.nan], [0.1e9, -0.4987e9, 0.7799e9, 5.8725e9]]
@@ -46,30 +60,58 @@ def test_every_pair_by_hand(tmp_path):
     assert float(here["relative_contact_area_deviation"]) == pytest.approx(0.1 * area(8, 0.7799e9), rel=1e-12)
     expected = -GAP_SHIFT["atomistic"] / (gap(8, 0.7799e9) + GAP_SHIFT["atomistic"])
     assert float(here["mean_gap_relative_deviation"]) == pytest.approx(expected, rel=1e-12)
+    # A theory without a gap under tension keeps its area.
+    pulled = found.sel(pair="persson - continuum", well_depth_ratio=8).isel(step=1)
+    assert int(pulled["state"]) == COMPARED
+    assert np.isnan(pulled["mean_gap_deviation"])
+    assert np.isfinite(pulled["relative_contact_area_deviation"])
+    for name, variable in found.variables.items():
+        assert variable.attrs["units"], name
+        assert variable.attrs["long_name"], name
+    assert found["mean_gap_deviation"].attrs["units"] == "m"
+    assert found["mean_gap_relative_deviation"].attrs["units"] == "1"
+    alone = deviations(write_all(tmp_path, SINGLE))["state"]
+    assert alone.dims == ("pair", "step")
+    assert (alone == COMPARED).all()
 
 
-def test_theory_without_a_gap_under_tension_keeps_its_area(tmp_path):
-    found = deviations(write_all(tmp_path)).sel(pair="persson - continuum", well_depth_ratio=8)
-    assert int(found["state"].isel(step=1)) == COMPARED
-    assert np.isnan(found["mean_gap_deviation"].isel(step=1))
-    assert np.isfinite(found["relative_contact_area_deviation"].isel(step=1))
+def test_who_is_compared_with_whom():
+    names = ["atomistic", "continuum:a", "continuum:b", "persson", "gap_flow"]
+    assert pairs_of(names) == [
+        *((name, "atomistic") for name in names[1:]),
+        *((name, "continuum:a") for name in names[2:]),
+        *((name, "continuum:b") for name in names[3:]),
+    ]
+    assert pairs_of(["persson", "gap_flow"]) == [], "neither theory is a reference"
 
 
-def test_other_order_and_missing_points(tmp_path):
-    first = write(tmp_path / "a.nc", "atomistic")
-    reordered = STUDY.replace(
-        'path = ["0.1 GPa", "0.7799 GPa", "5.8725 GPa"]\n[output]',
-        'path = ["5.8725 GPa", "3 GPa", "0.1 GPa"]\n[output]',
-    )
-    second = write(tmp_path / "c.nc", "continuum", reordered)
-    found = deviations([first, second]).isel(pair=0).sel(well_depth_ratio=1)
-    np.testing.assert_array_equal(found["applied_pressure"], [0.1e9, 0.7799e9, 5.8725e9, 3e9])
-    np.testing.assert_array_equal(found["state"], [COMPARED, MISSING, COMPARED, MISSING])
-    np.testing.assert_allclose(
-        found["relative_contact_area_deviation"].values,
-        [0.1 * area(1, 0.1e9), np.nan, 0.1 * area(1, 5.8725e9), np.nan],
-        rtol=1e-12,
-    )
+@pytest.mark.parametrize(
+    ("old", "new", "pressures", "branches", "states"),
+    [
+        (
+            '"0.1 GPa", "0.7799 GPa", "5.8725 GPa"]\n[output]',
+            '"5.8725 GPa", "3 GPa", "0.1 GPa"]\n[output]',
+            [0.1e9, 0.7799e9, 5.8725e9, 3e9],
+            [0, 0, 0, 0],
+            [COMPARED, MISSING, COMPARED, MISSING],
+        ),
+        (
+            "\n[output]",
+            "\nunload = true\n[output]",
+            [0.1e9, 0.7799e9, 5.8725e9, 0.7799e9, 0.1e9],
+            [0, 0, 0, 1, 1],
+            [COMPARED] * 3 + [MISSING] * 2,
+        ),
+    ],
+)
+def test_states_of_other_paths_find_each_other(tmp_path, old, new, pressures, branches, states):
+    paths = write(tmp_path / "a.nc", "atomistic"), write(tmp_path / "c.nc", "continuum", STUDY.replace(old, new))
+    found = deviations(paths).isel(pair=0).sel(well_depth_ratio=1).isel(step=slice(len(states)))
+    np.testing.assert_array_equal(found["applied_pressure"], pressures)
+    np.testing.assert_array_equal(found["branch"], branches)
+    np.testing.assert_array_equal(found["state"], states)
+    expected = np.where(np.array(states) == COMPARED, 0.1 * area(1, np.array(pressures)), np.nan)
+    np.testing.assert_allclose(found["relative_contact_area_deviation"], expected, rtol=1e-12)
 
 
 def test_branches_and_repeated_visits_are_not_mixed():
@@ -78,19 +120,9 @@ def test_branches_and_repeated_visits_are_not_mixed():
     points = path_points(pressure, branch)
     assert points[-1] is None
     assert len(set(points[:-1])) == 5
-    assert points[0] == ("100000000", 0, 0)
-    assert points[2] == ("100000000", 0, 1)
-    assert points[4] == ("100000000", 1, 0)
+    assert [points[step] for step in (0, 2, 4)] == [("100000000", 0, 0), ("100000000", 0, 1), ("100000000", 1, 0)]
     # The same pressure from another unit: one bit away.
     assert path_points(np.nextafter(pressure, np.inf), branch) == points
-
-
-def test_unloading_is_compared_with_unloading(tmp_path):
-    back = STUDY.replace('"5.8725 GPa"]\n[output]', '"5.8725 GPa"]\nunload = true\n[output]')
-    found = deviations([write(tmp_path / "a.nc", "atomistic"), write(tmp_path / "c.nc", "continuum", back)])
-    states = found.isel(pair=0).sel(well_depth_ratio=1)
-    np.testing.assert_array_equal(states["branch"].values[:5], [0, 0, 0, 1, 1])
-    np.testing.assert_array_equal(states["state"].values[:5], [COMPARED] * 3 + [MISSING] * 2)
 
 
 def test_unconverged_and_detached_points_are_marked_not_mixed_in(tmp_path):
@@ -99,29 +131,70 @@ def test_unconverged_and_detached_points_are_marked_not_mixed_in(tmp_path):
     found = deviations([continuum, atomistic]).isel(pair=0)
     np.testing.assert_array_equal(found["state"].sel(well_depth_ratio=1)[:3], [COMPARED, NOT_CONVERGED, COMPARED])
     np.testing.assert_array_equal(found["state"].sel(well_depth_ratio=8), [COMPARED, DETACHED, COMPARED, COMPARED])
-    marked = found["relative_contact_area_deviation"].where(found["state"] != COMPARED)
-    assert not marked.notnull().any()
+    assert not found["relative_contact_area_deviation"].where(found["state"] != COMPARED).notnull().any()
 
 
 def test_one_dataset_without_seeds_is_compared_with_each(tmp_path):
-    seeded = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2]\n')
-    paths = [write(tmp_path / "c.nc", "continuum", seeded), write(tmp_path / "t.nc", "theory")]
+    paths = [write(tmp_path / "c.nc", "continuum", SEEDED), write(tmp_path / "t.nc", "theory")]
     found = deviations(paths).sel(pair="persson - continuum", well_depth_ratio=8)
-    by_hand = [AREA_FACTOR["persson"] * area(8, 0.1e9) - area(8, 0.1e9, seed) for seed in (1, 2)]
+    by_hand = AREA_FACTOR["persson"] * area(8, 0.1e9) - area(8, 0.1e9, SEEDS)
     np.testing.assert_allclose(found["relative_contact_area_deviation"].isel(step=0), by_hand, rtol=1e-12)
 
 
-def test_every_variable_is_described(tmp_path):
-    found = deviations(write_all(tmp_path))
-    for name, variable in found.variables.items():
-        assert variable.attrs["units"], name
-        assert variable.attrs["long_name"], name
-    assert found["mean_gap_deviation"].attrs["units"] == "m"
-    assert found["mean_gap_relative_deviation"].attrs["units"] == "1"
+def test_statistics_of_each_model(tmp_path):
+    # Case 3 is the second seed at ratio 8; its second step did not converge.
+    paths = [
+        write(tmp_path / "continuum.nc", "continuum", SEEDED, unconverged={(3, 1)}),
+        write(tmp_path / "atomistic.nc", "atomistic", SEEDED),
+    ]
+    assert run(*paths, "-o", tmp_path / "comparison.nc") == 2
+    with xr.open_datatree(tmp_path / "comparison.nc", decode_timedelta=False) as tree:
+        found = {name: node.to_dataset().load() for name, node in tree["ensemble"].children.items()}
+    assert list(found) == ["atomistic", "continuum"]
+    assert found["continuum"].attrs["averaged_over"] == "seed"
+    strong = found["continuum"].sel(well_depth_ratio=8)
+    np.testing.assert_array_equal(strong.samples, [3, 2, 3, 3])
+    by_hand = of_seeds(area, 8)
+    kept = [by_hand[:, 0], by_hand[[0, 2], 1], *by_hand[:, 2:].T]
+    errors = strong.relative_contact_area_standard_error
+    np.testing.assert_allclose(strong.relative_contact_area, [values.mean() for values in kept], rtol=1e-12)
+    np.testing.assert_allclose(errors, [standard_error(values) for values in kept], rtol=1e-9)
+    assert strong.pressure_pdf_standard_error.dims == ("step", "pressure_bin")
+    assert strong.mean_gap.attrs["units"] == strong.mean_gap_standard_error.attrs["units"] == "m"
+    assert "mean over seed" in strong.mean_gap.attrs["long_name"]
+    assert not {"wall_time", "residual", "iterations", "converged"} & {*strong.data_vars}
+    assert ensemble_statistics(read(tmp_path).models) == {}
 
 
-def test_a_study_without_a_sweep(tmp_path):
-    single = STUDY[: STUDY.index("[sweep]")]
-    found = deviations(write_all(tmp_path, single))
-    assert found["state"].dims == ("pair", "step")
-    xr.testing.assert_equal(found["state"], xr.zeros_like(found["state"]))
+def test_differences_are_paired(tmp_path):
+    """Two models on the same surfaces: the scatter of the difference is far below that of either."""
+    found = compute_deviations(read(tmp_path, SEEDED).models, "pressure").sel(well_depth_ratio=8).isel(pair=0)
+    by_hand = 0.1 * area(8, 0.1e9, SEEDS)
+    assert found.relative_contact_area_deviation_mean[0] == pytest.approx(by_hand.mean(), rel=1e-9)
+    error = found.relative_contact_area_deviation_standard_error
+    assert float(error[0]) == pytest.approx(standard_error(by_hand), rel=1e-9)
+    assert "paired differences over seed" in error.attrs["long_name"]
+
+
+@pytest.mark.usefixtures("unrendered")
+def test_any_swept_key_may_be_averaged_over(tmp_path):
+    paths = write_all(tmp_path, HEIGHTS, BOTH)
+    models = read_inputs(paths, "rms_height").models
+    assert {curve.label for curve in area_curves(models)} == {"ε = ε₀", "ε = 8 ε₀"}
+    assert ensemble_statistics(models)["continuum"].relative_contact_area.dims == ("well_depth_ratio", "step")
+    found = compute_deviations(models, "pressure")
+    assert found.relative_contact_area_deviation_mean.dims == ("pair", "well_depth_ratio", "step")
+    _, page = reported(tmp_path, *paths, options=("--average", "rms_height"))
+    assert "standard errors over the values of rms height" in page
+    assert "first rms height" in page
+    # Without being asked the heights are points of the sweep.
+    assert len({curve.label for curve in area_curves(read_inputs(paths).models)}) == 6
+    with pytest.raises(InputError, match="--average seed: no dataset sweeps it; swept: well_depth_ratio, rms_height"):
+        read_inputs(paths, "seed")
+
+
+def test_seeds_are_points_of_the_sweep_where_another_key_is_averaged_over(tmp_path):
+    with pytest.raises(InputError, match="points that differ in well_depth_ratio alone take different loading paths"):
+        read(tmp_path, SEEDED, ("continuum",), "well_depth_ratio")
+    inputs = read(tmp_path, SEEDED[: SEEDED.index("[[override]]")], ("continuum",), "well_depth_ratio")
+    assert [curve.label for curve in area_curves(inputs.models)] == ["seed = 1", "seed = 2", "seed = 3"]

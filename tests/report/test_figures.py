@@ -226,7 +226,7 @@ def test_gap_maps_lie_as_the_surface_does(tmp_path):
     """A cell that is four times as wide as high, on points that are farther apart along x."""
     text = SINGLE.replace('"416 angstrom"', '["208 angstrom", "832 angstrom"]').replace("[24, 24]", "[16, 40]")
     wide = read(tmp_path, text)
-    maps = read_gaps(wide, *at(panel_points(wide.models, "pressure")))
+    maps = read_gaps(wide, *at(panel_points(wide.models)))
     assert extent(maps["continuum"]) == pytest.approx((208e-10, 832e-10), rel=1e-12)
     with xr.open_dataset(wide.paths["continuum"]) as dataset:
         stored = dataset["gap"].isel(step=1).values
@@ -255,14 +255,14 @@ def test_states_of_padded_cells_and_hard_walls(tmp_path):
         padded[name].encoding = {}
     padded.to_netcdf(paths[0])
     inputs = read_inputs(paths)
-    shown = panel_points(inputs.models, "pressure")
+    shown = panel_points(inputs.models)
     assert shown.case.label == "size = 41.6 nm"
     state = read_gaps(inputs, *at(shown))["continuum"]
     assert extent(state) == pytest.approx((416e-10, 416e-10), rel=1e-12)
     assert state["gap"].shape == (24, 24)
     hard = SINGLE.replace('well_depth = "18.6 meV"', 'law = "hard_wall"')
     inputs = read(tmp_path, hard.replace('length = "3.28 angstrom"\ncontact_distance = "3.68 angstrom"\n', ""))
-    state = read_gaps(inputs, *at(panel_points(inputs.models, "pressure")))["continuum"]
+    state = read_gaps(inputs, *at(panel_points(inputs.models)))["continuum"]
     pressed = field_at(inputs.paths["continuum"], "pressure", {}, 0) > 0
     assert pressed.any()
     np.testing.assert_array_equal(touching(state), pressed)
@@ -282,7 +282,7 @@ def test_the_theories_alone_are_shown_against_magnification(tmp_path):
     tree.dataset = tree.to_dataset().assign(added).assign_coords(wavevector=wavevector, magnification=zeta)
     tree.to_netcdf(tmp_path / "map.nc")
     inputs = read_inputs([tmp_path / "map.nc"])
-    joined, mapped = read_magnification(inputs, *at(panel_points(inputs.models, inputs.control)))
+    joined, mapped = read_magnification(inputs, *at(panel_points(inputs.models)))
     # p/E* = 0.00832 is the second point of the one path and the third of the other.
     assert list(joined["detachment_stress"].values[:, 0]) == [101, 208]
     figure = magnification(joined, mapped, "at p", "one")
@@ -290,7 +290,7 @@ def test_the_theories_alone_are_shown_against_magnification(tmp_path):
     assert len(figure.axes) == 5, "with the map and its bar of colours"
     assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["ε = ε₀", "ε = 8 ε₀"]
     both = read_inputs([write(tmp_path / "c.nc", "continuum"), tmp_path / "map.nc"])
-    assert read_magnification(both, *at(panel_points(both.models, both.control))) is None
+    assert read_magnification(both, *at(panel_points(both.models))) is None
 
 
 def test_a_page_has_figures_in_its_own_ink():

@@ -7,39 +7,7 @@ from contact_study.physics.solids import HalfSpace, Layer
 from contact_study.report.align.regime import compute_regime, roughness
 from contact_study.report.read.datasets import read_inputs
 from contact_study.study.case import realise
-from tests.report.synthetic import STUDY, study, write
-
-
-def test_roughness_of_a_wave():
-    height, size, shape = 2e-10, (3e-8, 2e-8), (9, 15)
-    q = 2 * np.pi * 2 / size[1]
-    x = np.arange(shape[1]) * size[1] / shape[1]
-    wave = np.broadcast_to(height * np.cos(q * x), shape)
-    found = roughness(wave, size, HalfSpace(7.0))
-    # A cosine that the grid holds exactly: rounding only.
-    assert found.rms_height == pytest.approx(height / np.sqrt(2), rel=1e-13)
-    assert found.rms_slope == pytest.approx(height * q / np.sqrt(2), rel=1e-13)
-    assert found.rms_laplacian == pytest.approx(height * q**2 / np.sqrt(2), rel=1e-13)
-    # ½ <w K w> with K = E* q / 2 and <w²> = h²/2.
-    assert found.conformal_energy == pytest.approx(q * height**2 / 8, rel=1e-13)
-    assert found.conformal_stress == pytest.approx(q * height / np.sqrt(8), rel=1e-13)
-    layer = Layer(7.0, 0.3, 1e-9)
-    on_layer, stiffness = roughness(wave, size, layer), float(layer.stiffness(q)) / 7.0
-    assert on_layer.conformal_energy == pytest.approx(stiffness * height**2 / 4, rel=1e-13)
-    assert on_layer.conformal_stress == pytest.approx(stiffness * height / np.sqrt(2), rel=1e-13)
-    slope = height * q
-    angle = np.linspace(0, 2 * np.pi, 16384, endpoint=False)
-    exact = np.mean(np.sqrt(1 + (slope * np.sin(angle)) ** 2))
-    # The mean over fifteen points of a smooth periodic function is exact far beyond this.
-    assert found.area_factor == pytest.approx(exact, rel=1e-8)
-
-
-def test_roughness_does_not_depend_on_the_grid():
-    surface = realise(study().cases[0])
-    coarse, fine = (roughness(surface.heights(shape), surface.size, HalfSpace(1.0)) for shape in ((24, 24), (45, 64)))
-    for name in ("rms_height", "rms_slope", "rms_laplacian", "conformal_energy", "conformal_stress"):
-        assert getattr(coarse, name) == pytest.approx(getattr(fine, name), rel=1e-12)
-
+from tests.report.synthetic import SEEDED, SINGLE, STUDY, read, study, write
 
 PAPER = (
     STUDY.replace('"416 angstrom"', '"1040 angstrom"')
@@ -48,12 +16,43 @@ PAPER = (
     .replace("cutoff_mode = 6", "cutoff_mode = 12")
     .replace("[1, 8]", "[1, 4, 8]")
 )
+FOUR = STUDY.replace("[1, 8]", "[1, 4]").split("[[override]]")[0]
+
+
+def of_case(text, solid=None, shape=None):
+    case = study(text).cases[0]
+    surface = realise(case)
+    return roughness(surface.heights(shape or surface.shape), surface.size, solid or case.solid)
+
+
+def test_roughness_of_a_wave():
+    height, size, shape = 2e-10, (3e-8, 2e-8), (9, 15)
+    q = 2 * np.pi * 2 / size[1]
+    wave = np.broadcast_to(height * np.cos(q * np.arange(shape[1]) * size[1] / shape[1]), shape)
+    found = roughness(wave, size, HalfSpace(7.0))
+    # A cosine that the grid holds exactly: rounding only.
+    assert found.rms_height == pytest.approx(height / np.sqrt(2), rel=1e-13)
+    assert found.rms_slope == pytest.approx(height * q / np.sqrt(2), rel=1e-13)
+    assert found.rms_laplacian == pytest.approx(height * q**2 / np.sqrt(2), rel=1e-13)
+    layer = Layer(7.0, 0.3, 1e-9)
+    for own, stiffness in ((found, q / 2), (roughness(wave, size, layer), float(layer.stiffness(q)) / 7.0)):
+        # ½ <w K w>/E* and √<(K w)²>/E*, with <w²> = h²/2; K = E* q / 2 of a half-space.
+        assert own.conformal_energy == pytest.approx(stiffness * height**2 / 4, rel=1e-13)
+        assert own.conformal_stress == pytest.approx(stiffness * height / np.sqrt(2), rel=1e-13)
+    angle = np.linspace(0, 2 * np.pi, 16384, endpoint=False)
+    exact = np.mean(np.sqrt(1 + (height * q * np.sin(angle)) ** 2))
+    # The mean over fifteen points of a smooth periodic function is exact far beyond this.
+    assert found.area_factor == pytest.approx(exact, rel=1e-8)
+
+
+def test_roughness_does_not_depend_on_the_grid():
+    coarse, fine = (of_case(STUDY, HalfSpace(1.0), shape) for shape in ((24, 24), (45, 64)))
+    for name in ("rms_height", "rms_slope", "rms_laplacian", "conformal_energy", "conformal_stress"):
+        assert getattr(coarse, name) == pytest.approx(getattr(fine, name), rel=1e-12)
 
 
 def test_paper_system(tmp_path):
-    paths = [write(tmp_path / f"{kind}.nc", kind, PAPER) for kind in ("continuum", "atomistic")]
-    inputs = read_inputs(paths)
-    regime = compute_regime(inputs)
+    regime = compute_regime(read(tmp_path, PAPER))
     # Of the ensemble 0.30, 0.76, 1.21; one surface's curvature scatters by some per cent, the cube root by a third.
     np.testing.assert_allclose(regime["tabor_parameter"], [0.30, 0.76, 1.21], rtol=0.03)
     np.testing.assert_allclose(regime["process_zone"], [41e-10, 10.3e-10, 5.13e-10], rtol=0.01)
@@ -67,12 +66,9 @@ def test_paper_system(tmp_path):
 
 
 def test_without_sweep_and_without_roughness(tmp_path):
-    flat = STUDY[: STUDY.index("[sweep]")].replace('kind = "self_affine"', 'kind = "flat"')
     own = ("rms_height", "roll_off_mode", "cutoff_mode", "normalisation")
-    flat = "\n".join(line for line in flat.splitlines() if not line.startswith(own))
-    paths = [write(tmp_path / f"{kind}.nc", kind, flat) for kind in ("continuum", "atomistic")]
-    inputs = read_inputs(paths)
-    regime = compute_regime(inputs)
+    flat = "\n".join(line for line in SINGLE.replace("self_affine", "flat").splitlines() if not line.startswith(own))
+    regime = compute_regime(read(tmp_path, flat))
     assert regime["process_zone"].dims == ()
     assert np.isfinite(regime["process_zone"])
     assert np.isnan(regime["tabor_parameter"])
@@ -80,7 +76,7 @@ def test_without_sweep_and_without_roughness(tmp_path):
 
 def test_a_point_that_the_first_file_lacks(tmp_path):
     paths = [
-        write(tmp_path / "a.nc", "atomistic", STUDY.replace("[1, 8]", "[1, 4]").split("[[override]]")[0]),
+        write(tmp_path / "a.nc", "atomistic", FOUR),
         write(tmp_path / "t.nc", "theory", STUDY.replace("[1, 8]", "[1, 4, 8]")),
     ]
     regime = compute_regime(read_inputs(paths))
@@ -89,35 +85,22 @@ def test_a_point_that_the_first_file_lacks(tmp_path):
 
 
 def test_the_surface_is_said_to_be_of_the_first_seed(tmp_path):
-    text = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [3, 2]\n')
-    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
-    regime = compute_regime(read_inputs(paths))
-    first = regime_of_seed(3)
-    assert float(regime["rms_slope"][0]) == pytest.approx(first.rms_slope, rel=1e-12)
+    text = SEEDED.replace("[1, 2, 3]", "[3, 2]")
+    regime = compute_regime(read(tmp_path, text))
+    assert float(regime["rms_slope"][0]) == pytest.approx(of_case(text).rms_slope, rel=1e-12)
     assert regime["rms_slope"].attrs["long_name"].endswith("first seed")
     assert not regime["process_zone"].attrs["long_name"].endswith("first seed")
 
 
-def regime_of_seed(seed):
-    surface = realise(study(STUDY.replace("[sweep]\n", f'[sweep]\n"surface.seed" = [{seed}]\n')).cases[0])
-    return roughness(surface.heights(surface.shape), surface.size, HalfSpace(1.0))
-
-
 def test_full_contact_with_a_layer_is_that_of_its_stiffness(tmp_path):
     thin = STUDY + '[elasticity]\nkind = "layer"\nthickness = "10.4 angstrom"\n'
-    found = []
-    for name, text in (("half_space", STUDY), ("layer", thin)):
-        paths = [write(tmp_path / f"{name}_{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
-        found.append(compute_regime(read_inputs(paths)))
-    case = study(thin).cases[0]
-    surface = realise(case)
-    expected = roughness(surface.heights(surface.shape), surface.size, case.solid)
-    plain = roughness(surface.heights(surface.shape), surface.size, HalfSpace(1.0))
+    plain, layered = (compute_regime(read(tmp_path, text)) for text in (STUDY, thin))
+    surfaces = of_case(thin, HalfSpace(1.0)), of_case(thin)
     for name, own in (
         ("full_contact_energy", "conformal_energy"),
         ("full_contact_stress_over_peak", "conformal_stress"),
     ):
-        ratio = getattr(expected, own) / getattr(plain, own)
-        assert ratio > 3
-        np.testing.assert_allclose(found[1][name] / found[0][name], ratio, rtol=1e-10)
-    np.testing.assert_allclose(found[1]["process_zone"], found[0]["process_zone"], rtol=1e-12)
+        half_space, layer = (getattr(surface, own) for surface in surfaces)
+        assert layer / half_space > 3
+        np.testing.assert_allclose(layered[name] / plain[name], layer / half_space, rtol=1e-10)
+    np.testing.assert_allclose(layered["process_zone"], plain["process_zone"], rtol=1e-12)

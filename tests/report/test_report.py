@@ -1,25 +1,24 @@
 """The numbers of the report: tiles, tables, changes along the sweep; of comparisons and of one dataset."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from contact_study.inputs.errors import InputError
 from contact_study.plots.curves import dissipated_energy
-from contact_study.report import problem_tables, tables
-from contact_study.report.align.cases import Series, series
-from contact_study.report.align.deviations import compute_deviations, pairs_of
+from contact_study.report import tables
+from contact_study.report.align.cases import scales, series, sweep_points
+from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.regime import compute_regime
-from contact_study.report.align.scales import scales, sweep_points
 from contact_study.report.facts import overview
-from contact_study.report.facts.differences import differences
-from contact_study.report.facts.loops import cycles, loops
-from contact_study.report.facts.method import settings, starts
 from contact_study.report.facts.ranking import rank_models
+from contact_study.report.page import settings, starts
 from contact_study.report.read.datasets import read_inputs
 from tests.report import synthetic
-from tests.report.panels import run, text_of
-from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, MODULUS, area, gap, read, write, write_all
+from tests.report.panels import reported, run
+from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, MODULUS, SEEDS, area, gap, read, write, write_all
 
 # A roughness that is no power of ten: a gap in nanometres, or in metres, is told from one in units of h_rms.
 STUDY, GAP_STUDY, SEEDED = (
@@ -29,18 +28,11 @@ STUDY, GAP_STUDY, SEEDED = (
 SINGLE = STUDY[: STUDY.index("[sweep]")]
 LOOP = SINGLE.replace("[output]", "unload = true\n[output]")
 H_RMS = 7e-10
-SEEDS = np.array([1, 2, 3])
 
 
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
     return read_inputs(write_all(tmp_path_factory.mktemp("tables"), STUDY))
-
-
-def reported(folder, *paths, options=()):
-    """Exit status and words of the report."""
-    status = run(*paths, "-o", folder / "out.nc", "--report", folder / "report.html", *options)
-    return status, text_of((folder / "report.html").read_text(encoding="utf-8"))
 
 
 def words(value, decimals, plus=False):
@@ -99,40 +91,34 @@ def test_prescribed_gaps_and_states_in_their_units(tmp_path):
     assert states.count("not converged") == 1
     assert states.count("detached") == 1
     # Seven steps of seven iterations and half a second each.
-    (row,) = problem_tables.effort_table(ended.models).rows
+    (row,) = tables.effort_table(ended.models).rows
     assert [cell.text for cell in row] == ["continuum", "7", "1", "1", "1.0e−09", "49", "4"]
-    assert overview.steps(ended.models) == overview.Steps(7, 1, 1, 1)
+    assert overview.effort(*2 * [*ended.models.values()]) == (14, 2, 2)
 
 
 def test_agreement_is_over_shared_states(tmp_path):
-    paths = [
-        write(tmp_path / "c.nc", "continuum", STUDY, unconverged=[(0, 0)]),
-        *(write(tmp_path / f"{kind}.nc", kind, STUDY) for kind in ("atomistic", "theory")),
-    ]
-    inputs = read_inputs(paths)
+    paths = write_all(tmp_path, STUDY, ("atomistic", "theory"))
+    inputs = read_inputs([write(tmp_path / "c.nc", "continuum", STUDY, unconverged=[(0, 0)]), *paths])
     deviations = compute_deviations(inputs.models, "pressure")
     # The theory is far off where the continuum has no state.
     here = {"pair": "persson - atomistic", "well_depth_ratio": 1, "step": 0}
     deviations["relative_contact_area_relative_deviation"].loc[here] = -0.87
     rankings = rank_models(inputs.models, deviations, compute_regime(inputs))
-    table = tables.agreement_table(inputs, rankings)
-    rows = {row[0].text: row[1:] for row in table.rows}
-    assert [cell.text for cell in rows["continuum"]] == ["11 %", "11 %"]
-    assert [cell.text for cell in rows["Persson's theory"]] == ["44 %", "44 %"]
-    assert [cell.grade for cell in rows["Persson's theory"]] == ["poor", "poor"]
-    assert [cell.grade for cell in rows["continuum"]] == ["fair", "fair"]
+    assert [ranking.states for ranking in rankings] == [2, 4]
+    rows = {row[0].text: row[1:] for row in tables.agreement_table(inputs, rankings).rows}
+    assert [(cell.text, cell.grade) for cell in rows["continuum"]] == [("11 %", "fair")] * 2
+    assert [(cell.text, cell.grade) for cell in rows["Persson's theory"]] == [("44 %", "poor")] * 2
     gaps = {row[0].text: row[1:] for row in tables.agreement_table(inputs, rankings, gaps=True).rows}
     assert [cell.text.reduced for cell in gaps["Persson's theory"]] == ["0.214 h_rms"] * 2
     assert [cell.text.physical for cell in gaps["Persson's theory"]] == ["1.500 Å"] * 2
     found = overview.agreement(inputs, deviations)
     assert (found.model, found.reference, found.states) == ("continuum", "atomistic", 6)
-    assert found.worst == pytest.approx(1 / 9, rel=1e-9)
-    assert found.mean == pytest.approx(1 / 9, rel=1e-9)
+    assert (found.worst.value, found.mean) == pytest.approx((1 / 9, 1 / 9), rel=1e-9)
     assert list(overview.mean_distances(rankings)) == ["continuum", "gap_flow", "persson"]
 
 
 def test_material_and_regime_by_hand(inputs):
-    table = problem_tables.constants_table(inputs.models)
+    table = tables.constants_table(inputs.models)
     heads = ["", "model", "E* (GPa)", "Δγ (J/m²)", "d_eq (Å)", "σ_max (GPa)", "h_rms (Å)", "rms gradient"]
     assert [column.head for column in table.columns] == heads
     case = inputs.cases[1]
@@ -144,7 +130,7 @@ def test_material_and_regime_by_hand(inputs):
     # The gap-flow theory stands in the file of Persson's, whose constants are its own.
     assert [row[1] for row in texts] == 2 * ["atoms", "continuum", "Persson's theory"]
     regime = compute_regime(inputs)
-    table = problem_tables.regime_table(inputs.models, regime)
+    table = tables.regime_table(inputs.models, regime)
     assert table.columns[2].head == "process zone (nm)"
     check = overview.grid_check(inputs, regime)
     for row, ratio in zip(table.rows, (1, 8), strict=True):
@@ -162,7 +148,7 @@ def test_a_finer_grid_is_proposed_and_one_that_suffices_is_not(inputs, tmp_path)
     fine = regime.assign(pixel_over_process_zone=0.2 + 0 * regime["pixel_over_process_zone"])
     assert not overview.grid_check(inputs, fine).coarse
     zones = inputs.models["continuum"].assign(surface_size_y=104e-9, surface_size_x=52e-9)
-    wide = type(inputs)(inputs.paths, {"continuum": zones}, {}, inputs.studies)
+    wide = dataclasses.replace(inputs, models={"continuum": zones})
     at = regime.assign(process_zone=5.13e-10 + 0 * regime["process_zone"])
     assert overview.grid_check(wide, at).shape == (864, 432)
     assert overview.grid_check(read(tmp_path, STUDY, ("theory",)), regime) is None
@@ -181,35 +167,32 @@ def test_errors_over_seeds_have_digits(tmp_path):
     one = part["mean_gap"].isel(seed=0, drop=True)
     rounded = part.assign(mean_gap=one * (1 + 1e-15 * part["seed"]))
     assert np.isnan(series(rounded, "mean_gap").standard_error).all(), "rounding is no scatter"
-    found: Series = series(part.assign(mean_gap=one * (1 + 1e-6 * part["seed"])), "mean_gap")
+    found = series(part.assign(mean_gap=one * (1 + 1e-6 * part["seed"])), "mean_gap")
     np.testing.assert_allclose(found.standard_error[:3], one[:3] * 1e-6 / np.sqrt(3), rtol=1e-6)
 
 
 def test_changes_along_the_sweep_are_paired(tmp_path):
     text = SINGLE + '[sweep]\n"surface.seed" = [1, 2, 3]\n"interaction.well_depth_ratio" = [1, 2, 8]\n'
-    found = differences(read(tmp_path, text, ("continuum",), unconverged=[(0, 2)]).models, "pressure")
-    assert [(one.before, one.after) for one in found] == [("ε = ε₀", "ε = 2 ε₀"), ("ε = 2 ε₀", "ε = 8 ε₀")]
+    found = overview.differences(read(tmp_path, text, ("continuum",), unconverged=[(0, 2)]).models)
+    assert [(one.before.label, one.after.label) for one in found] == [("ε = ε₀", "ε = 2 ε₀"), ("ε = 2 ε₀", "ε = 8 ε₀")]
     pressure = np.array([0.1e9, 0.7799e9, 5.8725e9])
     for one, (low, high), states in zip(found, ((1, 2), (2, 8)), (2, 3), strict=True):
         assert (one.states, one.samples) == (states, 3), "a state that one sample lacks is left out"
-        change = (area(high, pressure, SEEDS[:, None]) - area(low, pressure, SEEDS[:, None]))[:, :states].mean(axis=1)
-        assert one.area == pytest.approx((change.mean(), change.std(ddof=1) / np.sqrt(3)), rel=1e-9)
-        change = (gap(high, pressure, SEEDS[:, None]) - gap(low, pressure, SEEDS[:, None]))[:, :states].mean(axis=1)
-        assert one.gap == pytest.approx((change.mean(), change.std(ddof=1) / np.sqrt(3)), rel=1e-9)
-    (alone,) = differences(
-        read(tmp_path, SINGLE + '[sweep]\n"interaction.well_depth_ratio" = [1, 2]\n').models, "pressure"
-    )[:1]
-    assert np.isnan(alone.area[1])
-    assert differences(read(tmp_path, SINGLE).models, "pressure") == []
+        for made, own in ((area, one.area), (gap, one.gap)):
+            change = made(high, pressure, SEEDS[:, None]) - made(low, pressure, SEEDS[:, None])
+            change = change[:, :states].mean(axis=1)
+            assert own == pytest.approx((change.mean(), change.std(ddof=1) / np.sqrt(3)), rel=1e-9)
+    assert np.isnan(overview.differences(read(tmp_path).models)[0].area[1])
+    assert overview.differences(read(tmp_path, SINGLE).models) == []
 
 
 def test_loops_have_a_pull_off_or_none(tmp_path):
     inputs = read(tmp_path, LOOP, ("continuum",))
-    (found,) = loops(inputs)
+    (found,) = overview.loops(inputs)
     assert not found.reached
     assert found.lowest == pytest.approx(0.1e9)
     assert tables.pull_off_words(found, MODULUS).physical == "not reached down to 100 MPa"
-    assert loops(read(tmp_path, SINGLE, ("continuum",))) == []
+    assert overview.loops(read(tmp_path, SINGLE, ("continuum",))) == []
     separation = 1e-9 * np.array([3.0, 2.0, 1.0, 2.5, 3.5])
     own = inputs.models["continuum"].assign(
         mean_separation=("step", separation),
@@ -219,10 +202,10 @@ def test_loops_have_a_pull_off_or_none(tmp_path):
         surface_size_x=1e-8,
     )
     inputs.models["continuum"] = own
-    (found,) = loops(inputs)
+    (found,) = overview.loops(inputs)
     assert found.force == pytest.approx(-0.3e9 * 2e-16)
     assert found.dissipated == pytest.approx(dissipated_energy(own))
-    assert list(cycles(inputs)) == [""]
+    assert list(overview.cycles(inputs)) == [""]
     assert tables.pull_off_words(found, MODULUS).physical == "−350 to −300 MPa"
     row = [str(cell.text) for cell in tables.loop_table(inputs, [found]).rows[0]]
     assert row[1:4] == ["continuum", "−350 to −300 MPa", "−60 nN"]
@@ -250,13 +233,11 @@ def test_extents_are_of_converged_states_in_contact(tmp_path):
     path = write(tmp_path / "one.nc", "continuum", unconverged=[(0, 0)], detached=[(1, 3)])
     status, text = reported(tmp_path, path)
     assert status == 2
-    found = [
-        overview.extent(read_inputs([path]).models, "continuum", name, "pressure")
-        for name in ("relative_contact_area", "mean_gap")
-    ]
-    assert (found[0].low, found[0].high) == pytest.approx((area(1, 0.7799e9), area(1, 5.8725e9)))
-    assert found[0].low_at[1] == pytest.approx(0.7799e9)
-    assert found[1].high == pytest.approx(gap(1, 0.7799e9))
+    names = "relative_contact_area", "mean_gap"
+    areas, gaps = (overview.extent(read_inputs([path]).models, "continuum", name) for name in names)
+    assert [at.value for at in areas] == pytest.approx([area(1, 0.7799e9), area(1, 5.8725e9)])
+    assert areas[0].prescribed == pytest.approx(0.7799e9)
+    assert gaps[1].value == pytest.approx(gap(1, 0.7799e9))
     assert "Solver 13 / 14 converged" not in text
     assert "⚠ Solver 6 / 7 converged 1 step did not reach the tolerance" in text
     assert "1 detached" in text
@@ -323,13 +304,3 @@ def test_datasets_of_one_run_are_refused(tmp_path):
         read_inputs(paths)
     other = write(tmp_path / "other.nc", "continuum", git_commit="1" * 40)
     assert len(read_inputs([paths[0], other]).models) == 2, "another version of the program"
-
-
-def test_who_is_compared_with_whom():
-    names = ["atomistic", "continuum:a", "continuum:b", "persson", "gap_flow"]
-    assert pairs_of(names) == [
-        *((name, "atomistic") for name in names[1:]),
-        *((name, "continuum:a") for name in names[2:]),
-        *((name, "continuum:b") for name in names[3:]),
-    ]
-    assert pairs_of(["persson", "gap_flow"]) == [], "neither theory is a reference"

@@ -1,17 +1,19 @@
-"""Points of the sweep as a reader sees them: one colour and one name each, seeds averaged."""
+"""Points of the sweep as a reader sees them: one colour, one name and one set of units each, seeds averaged."""
 
 import itertools
+import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from contact_study.plots.style import Unit, length_unit, pressure_unit
 from contact_study.report.models import entry_of
-from contact_study.report.read.load_steps import averaged, samples_in, swept_dims
-from contact_study.report.text.wording import coordinate_label
+from contact_study.report.read.load_steps import averaged, swept_dims
+from contact_study.report.text.wording import PRESCRIBED, coordinate_label
 from contact_study.results.schema import REALISED
 from contact_study.results.state import usable
 from contact_study.study.load_steps import PathPoint, path_points
@@ -25,6 +27,7 @@ class SweepPoint:
 
     selection: dict[str, Any]  # swept coordinates but the seed
     label: str  # the coordinates in words
+    colour: int = 0  # number of its colour
 
 
 def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:
@@ -36,11 +39,11 @@ def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:
         for dim in dims
     ]
     several = [dim for dim, own in zip(dims, values, strict=True) if len(own) > 1] or dims
-    points = []
+    points: list[SweepPoint] = []
     for combination in itertools.product(*values):
         selection = dict(zip(dims, combination, strict=True))
         names = [coordinate_label(dim, selection[dim], lead[dim].attrs.get("units", "1")) for dim in several]
-        points.append(SweepPoint(selection, ", ".join(names)))
+        points.append(SweepPoint(selection, ", ".join(names), len(points)))
     return points
 
 
@@ -50,6 +53,16 @@ def select(dataset: xr.Dataset, point: SweepPoint) -> xr.Dataset | None:
     if any(value not in dataset[dim].values for dim, value in chosen.items()):
         return None
     return dataset.sel(chosen)
+
+
+def parts_of(
+    models: Mapping[str, xr.Dataset], points: list[SweepPoint] | None = None
+) -> Iterator[tuple[SweepPoint, str, xr.Dataset]]:
+    """Part of each model at each point of the sweep, theirs unless others are given."""
+    for point in points or sweep_points(models):
+        for model, dataset in models.items():
+            if (part := select(dataset, point)) is not None:
+                yield point, model, part
 
 
 def strongest(points: list[SweepPoint]) -> SweepPoint:
@@ -62,23 +75,12 @@ def strongest(points: list[SweepPoint]) -> SweepPoint:
 
 @dataclass(frozen=True)
 class Series:
-    """One quantity along the path of one point of the sweep, averaged over the seeds that may be compared.
+    """One quantity at each step of the path of one point of the sweep, averaged over the seeds that may be compared."""
 
-    Attributes
-    ----------
-    values, standard_error : numpy.ndarray, shape (steps,)
-        Mean over seeds and its standard error, NaN with fewer than two or without scatter; both NaN where the
-        surfaces have detached. A point none of whose seeds converged keeps what the solver left and is not ``fit``.
-    fit : numpy.ndarray of bool, shape (steps,)
-        Whether some seed converged in contact.
-    samples : numpy.ndarray of int, shape (steps,)
-        Seeds averaged.
-    """
-
-    values: np.ndarray
-    standard_error: np.ndarray
-    fit: np.ndarray
-    samples: np.ndarray
+    values: np.ndarray  # mean over seeds, or what the solver left where none converged; NaN where surfaces detached
+    standard_error: np.ndarray  # NaN with fewer than two seeds or without scatter
+    fit: np.ndarray  # whether some seed converged in contact
+    samples: np.ndarray  # seeds averaged
 
 
 def series(part: xr.Dataset, name: str) -> Series:
@@ -88,7 +90,7 @@ def series(part: xr.Dataset, name: str) -> Series:
     values: np.ndarray = np.where(flags.get("detached", 0) == 1, np.nan, _by_seed(part, name, steps))
     good = usable(flags) & ~np.isnan(values)
     samples: np.ndarray = good.sum(axis=0)
-    if not samples_in(part[name]):
+    if not swept_dims(part[name]):
         return Series(values[0], np.full(steps, np.nan), good[0], samples)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # a point without any seed has no mean
@@ -104,14 +106,27 @@ def series(part: xr.Dataset, name: str) -> Series:
 
 def _by_seed(part: xr.Dataset, name: str, steps: int) -> np.ndarray:
     """A variable on seed and step; a variable without seeds is one for all."""
-    return part[name].transpose(*samples_in(part[name]), "step").values.astype(float).reshape(-1, steps)
+    return part[name].transpose(*swept_dims(part[name]), "step").values.astype(float).reshape(-1, steps)
 
 
-def case_points(part: xr.Dataset, control: str) -> list[PathPoint | None]:
+def control_of(part: xr.Dataset) -> str:
+    """The quantity that the path of a dataset prescribes."""
+    return next(control for control in PRESCRIBED if f"applied_{control}" in part.coords)
+
+
+def case_points(part: xr.Dataset) -> list[PathPoint | None]:
     """Points of the path of a part that :func:`select` gave; all its seeds walk the same."""
-    prescribed, branch = part[f"applied_{control}"], part["branch"]
-    first = (variable.isel(dict.fromkeys(samples_in(variable), 0)).values for variable in (prescribed, branch))
+    prescribed, branch = part[f"applied_{control_of(part)}"], part["branch"]
+    first = (variable.isel(dict.fromkeys(swept_dims(variable), 0)).values for variable in (prescribed, branch))
     return path_points(*first)
+
+
+def state_at(dataset: xr.Dataset, point: SweepPoint, named: PathPoint) -> xr.Dataset | None:
+    """One state of the path of one point of the sweep; None where the dataset has none."""
+    part = select(dataset, point)
+    if part is None or named not in (path := case_points(part)):
+        return None
+    return part.isel(step=path.index(named))
 
 
 def constant(part: xr.Dataset, name: str) -> float:
@@ -130,3 +145,48 @@ def first_constant(models: Mapping[str, xr.Dataset], point: SweepPoint, name: st
         if part is not None and np.isfinite(value := constant(part, name)):
             return value
     return float("nan")
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Units of the axes at one point of the sweep, the same for every model."""
+
+    contact_modulus: float  # E* (Pa)
+    rms_height: float  # h_rms (m), or one nanometre for a surface without roughness
+    rough: bool = True
+
+    @property
+    def height_symbol(self) -> str:
+        """Unit of gaps in words."""
+        return "h_rms" if self.rough else "nm"
+
+
+def scales(models: Mapping[str, xr.Dataset], point: SweepPoint) -> Scales:
+    """E* and h_rms of a point of the sweep, as the continuum was given them."""
+    rms_height = first_constant(models, point, "rms_height")
+    rough = bool(np.isfinite(rms_height) and rms_height > 0)
+    return Scales(first_constant(models, point, "contact_modulus"), rms_height if rough else 1e-9, rough)
+
+
+def common_scales(models: Mapping[str, xr.Dataset]) -> tuple[bool, bool]:
+    """Whether E*, and whether h_rms, is the same at every point of the sweep."""
+    every = [scales(models, point) for point in sweep_points(models)]
+    return (
+        all(math.isclose(one.contact_modulus, every[0].contact_modulus) for one in every),
+        all(math.isclose(one.rms_height, every[0].rms_height) for one in every),
+    )
+
+
+def mean_pressure_unit(models: Mapping[str, xr.Dataset]) -> Unit:
+    """The unit of mean pressures."""
+    return pressure_unit(_largest(models, "mean_pressure"))
+
+
+def mean_gap_unit(models: Mapping[str, xr.Dataset]) -> Unit:
+    """The unit of mean gaps."""
+    return length_unit(_largest(models, "mean_gap"))
+
+
+def _largest(models: Mapping[str, xr.Dataset], name: str) -> float:
+    values = np.concatenate([np.empty(0), *(d[name].values.ravel() for d in models.values() if name in d)])
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

@@ -8,12 +8,12 @@ import xarray as xr
 
 from contact_study.plots.panels import Band
 from contact_study.plots.paths import Curve
-from contact_study.report.align.cases import SweepPoint, case_points, select, series, sweep_points
-from contact_study.report.align.ensemble import standard_error
-from contact_study.report.align.scales import Scales, mean_gap_unit, mean_pressure_unit, scales
+from contact_study.report.align import cases
+from contact_study.report.align.cases import Scales, SweepPoint, case_points, scales, select, series, sweep_points
+from contact_study.report.align.deviations import standard_error
 from contact_study.report.models import entry_of, look_of
-from contact_study.report.read.load_steps import samples_in
-from contact_study.report.read.scatter import Scatter
+from contact_study.report.read.datasets import Scatter
+from contact_study.report.read.load_steps import swept_dims
 from contact_study.results.state import usable
 from contact_study.study.load_steps import PathPoint
 
@@ -38,7 +38,7 @@ def pressure_axis(models: Models, reduced: bool) -> Axis:
     """Mean pressure in a unit that suits it, or over E*."""
     if reduced:
         return Axis("mean_pressure", r"pressure $p/E^*$", lambda scale: scale.contact_modulus)
-    unit = mean_pressure_unit(models)
+    unit = cases.mean_pressure_unit(models)
     return Axis("mean_pressure", rf"pressure $p$ ({unit.name})", lambda scale: unit.size)
 
 
@@ -46,50 +46,44 @@ def gap_axis(models: Models, reduced: bool) -> Axis:
     """Mean gap in a unit that suits it, or over the rms height where there is one."""
     if reduced and scales(models, sweep_points(models)[0]).rough:
         return Axis("mean_gap", r"mean gap $\bar{u}/h_\mathrm{rms}$", lambda scale: scale.rms_height)
-    unit = mean_gap_unit(models)
+    unit = cases.mean_gap_unit(models)
     return Axis("mean_gap", rf"mean gap $\bar{{u}}$ ({unit.name})", lambda scale: unit.size)
 
 
-def path_curves(models: Models, control: str, across: Axis, up: Axis) -> list[Curve]:
+def path_curves(models: Models, across: Axis, up: Axis) -> list[Curve]:
     """One curve for each model and point of the sweep; means over the samples with their standard errors."""
     curves = []
-    for colour, point in enumerate(sweep_points(models)):
+    for point, model, part in cases.parts_of(models):
+        if any(axis.name not in part for axis in (across, up)):
+            continue
         scale = scales(models, point)
-        for model, dataset in models.items():
-            part = select(dataset, point)
-            if part is None or any(axis.name not in part for axis in (across, up)):
-                continue
-            part = _with_resolved_pressure(part, control, scale.contact_modulus)
-            found = [series(part, axis.name) for axis in (across, up)]
-            sizes = [axis.unit(scale) for axis in (across, up)]
-            x, y = (own.values / size for own, size in zip(found, sizes, strict=True))
-            errors = [own.standard_error / size for own, size in zip(found, sizes, strict=True)]
-            x_error, y_error = (error if np.isfinite(error).any() else None for error in errors)
-            back = np.array([bool(named[1]) if named else False for named in case_points(part, control)])
-            drawn = entry_of(model).simulation, look_of(model, models)
-            curves.append(Curve(model, point.label, colour, x, y, x_error, y_error, found[1].fit, back, *drawn))
+        part = _with_resolved_pressure(part, scale.contact_modulus)
+        found = [series(part, axis.name) for axis in (across, up)]
+        sizes = [axis.unit(scale) for axis in (across, up)]
+        x, y = (own.values / size for own, size in zip(found, sizes, strict=True))
+        errors = [own.standard_error / size for own, size in zip(found, sizes, strict=True)]
+        x_error, y_error = (error if np.isfinite(error).any() else None for error in errors)
+        back = np.array([bool(named[1]) if named else False for named in case_points(part)])
+        drawn = entry_of(model).simulation, look_of(model, models)
+        curves.append(Curve(model, point.label, point.colour, x, y, x_error, y_error, found[1].fit, back, *drawn))
     return curves
 
 
-def _with_resolved_pressure(part: xr.Dataset, control: str, contact_modulus: float) -> xr.Dataset:
+def _with_resolved_pressure(part: xr.Dataset, contact_modulus: float) -> xr.Dataset:
     """The part with a pressure of zero where it is none: below the residual stress only rounding has a sign."""
     pressure = part["mean_pressure"]
-    if control == "pressure":
+    if "applied_pressure" in part.coords:
         nothing = part["applied_pressure"] == 0
     else:
         nothing = np.abs(pressure) <= (part["residual"] * contact_modulus if "residual" in part else 0.0)
     return part.assign(mean_pressure=pressure.where(~nothing, 0.0))
 
 
-def scatter_strips(models: Models, scatter: Scatter, control: str, across: Axis, up: Axis) -> list[Curve]:
+def scatter_strips(models: Models, scatter: Scatter, across: Axis, up: Axis) -> list[Curve]:
     """Means over the realisations, with their standard deviation in place of the error of the mean."""
-    colours = {point.label: number for number, point in enumerate(sweep_points(models))}
+    colours = {point.label: point.colour for point in sweep_points(models)}
     own = {scatter.model: scatter.dataset}
-    roots = {}
-    for point in sweep_points(own):
-        part = select(scatter.dataset, point)
-        assert part is not None
-        roots[point.label] = np.sqrt(series(part, "mean_pressure").samples)
+    roots = {point.label: np.sqrt(series(part, "mean_pressure").samples) for point, _, part in cases.parts_of(own)}
     return [
         replace(
             curve,
@@ -97,7 +91,7 @@ def scatter_strips(models: Models, scatter: Scatter, control: str, across: Axis,
             x_error=None if curve.x_error is None else curve.x_error * roots[curve.label],
             y_error=None if curve.y_error is None else curve.y_error * roots[curve.label],
         )
-        for curve in path_curves(own, control, across, up)
+        for curve in path_curves(own, across, up)
         if curve.label in colours
     ]
 
@@ -108,7 +102,7 @@ def path_bands(
     """Bands between the metastable branches of the theories, at the points of the sweep of the models."""
     bands = []
     for model, sides_of in branches.items():
-        for colour, point in enumerate(sweep_points(models)):
+        for point in sweep_points(models):
             parts = [part for dataset in sides_of.values() if (part := select(dataset, point)) is not None]
             if len(parts) < 2:
                 continue
@@ -121,8 +115,8 @@ def path_bands(
             one, two = (np.interp(every, own, values) for own, values in sides)
             # Without hysteresis the branches differ by the error of their grids, which is no band.
             if np.abs(one - two).max(initial=0.0) > _VISIBLE * max(np.abs(one).max(initial=0.0), 1e-300):
-                look = look_of(model, models)
-                bands.append(Band(look, colour, every, np.minimum(one, two), np.maximum(one, two)))
+                ends = np.minimum(one, two), np.maximum(one, two)
+                bands.append(Band(look_of(model, models), point.colour, every, *ends))
     return bands
 
 
@@ -137,7 +131,6 @@ def _side(part: xr.Dataset, along: Axis, across: Axis, scale: Scales) -> tuple[n
 
 def distributions(
     models: Models,
-    control: str,
     name: str,
     states: Sequence[tuple[SweepPoint, PathPoint, str]],
     unit_of: Callable[[Scales], float],
@@ -147,34 +140,32 @@ def distributions(
     for colour, (point, named, label) in enumerate(states):
         unit = unit_of(scales(models, point))
         for model, dataset in models.items():
-            both = density_at(dataset, point, f"{name}_pdf", named, control)
+            both = density_at(dataset, point, f"{name}_pdf", named)
             if both is None:
                 continue
             density, error = (values * unit for values in both)
             known = error if np.isfinite(error).any() else None
             density = np.where(density > 0, density, np.nan)
-            x = dataset[f"{name}_bin"].values / unit
-            curve = Curve(model, label, colour, x, density, y_error=known, look=look_of(model, models))
-            found.append(replace(curve, simulated=entry_of(model).simulation))
+            x, drawn = dataset[f"{name}_bin"].values / unit, (entry_of(model).simulation, look_of(model, models))
+            found.append(Curve(model, label, colour, x, density, None, known, None, None, *drawn))
     return found
 
 
 def density_at(
-    dataset: xr.Dataset, point: SweepPoint, name: str, named: PathPoint, control: str
+    dataset: xr.Dataset, point: SweepPoint, name: str, named: PathPoint
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """A density at one state: its mean over the samples that converged in contact and the standard error of that.
 
     The error is NaN with fewer than two samples. None where there is no such state.
     """
-    part = select(dataset, point)
-    if part is None or name not in part or named not in (path := case_points(part, control)):
+    state = cases.state_at(dataset, point, named)
+    if state is None or name not in state:
         return None
-    state = part.isel(step=path.index(named))
     fit = usable(state) & state[name].notnull().any(dim=name.replace("_pdf", "_bin"))
     if not fit.any():
         return None
     density = state[name].where(fit)
-    dims = samples_in(density)
+    dims = swept_dims(density)
     if not dims:
         return density.values, np.full(density.shape, np.nan)
     return density.mean(dims).values, standard_error(density, dims).values

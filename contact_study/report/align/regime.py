@@ -1,6 +1,6 @@
 """Regime numbers of a contact, from its roughness, its modulus and its adhesion."""
 
-from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,17 +31,7 @@ class Roughness:
 
 
 def roughness(heights: np.ndarray, size: tuple[float, float], solid: Elasticity) -> Roughness:
-    """Moments of a periodic surface from its Fourier series.
-
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        (m)
-    size : tuple of float
-        Periods along y and x (m).
-    solid : Elasticity
-        What full contact deforms.
-    """
+    """Moments of a periodic surface (m) of some periods along y and x (m) on what full contact deforms."""
     grid = Grid(heights.shape, size)
     stiffness_q = solid.stiffness_on(grid) / solid.contact_modulus
     spectrum_q = fourier.transform(heights - heights.mean())
@@ -67,26 +57,17 @@ def compute_regime(inputs: Inputs) -> xr.Dataset:
     roughness is μ = (R Δγ²/E*² r₀³)^(1/3); θ = Δγ S/U_full compares what full contact gains with what it costs
     (Persson and Tosatti, J. Chem. Phys. 115, 5597 (2001)).
     """
-    models = inputs.models
-    points = sweep_points(models)
-    numbers = [_regime(models, point, _roughness_of(inputs, point), _range(inputs, point)) for point in points]
-    dims = list(points[0].selection)
-    attrs = {d: next(dataset[d].attrs for dataset in models.values() if d in dataset.dims) for d in dims}
-    averages = {averaged(dataset) for dataset in models.values() if dataset.sizes.get(averaged(dataset), 1) > 1}
+    models, points = inputs.models, sweep_points(inputs.models)
+    numbers = [_regime(inputs, point, _roughness_of(inputs, point)) for point in points]
+    axes = {dim: list(dict.fromkeys(point.selection[dim] for point in points)) for dim in points[0].selection}
+    attrs = {d: next(dataset[d].attrs for dataset in models.values() if d in dataset.dims) for d in axes}
+    averages = [averaged(dataset) for dataset in models.values() if dataset.sizes.get(averaged(dataset), 1) > 1]
     data = {}
     for name, (units, long_name) in MEANINGS.items():
-        column = xr.DataArray([row[name] for row in numbers], dims="case")
-        if dims:
-            values = [list(dict.fromkeys(point.selection[dim] for point in points)) for dim in dims]
-            array = column.values.reshape([len(v) for v in values])
-            column = xr.DataArray(
-                array, dims=dims, coords={d: (d, v, attrs[d]) for d, v in zip(dims, values, strict=True)}
-            )
-        else:
-            column = column[0]
-        whose = f", surface of the first {next(iter(averages))}" if averages and name in _OF_THE_SURFACE else ""
-        data[name] = column.assign_attrs(units=units, long_name=long_name + whose)
-    return xr.Dataset(data)
+        values = np.reshape([row[name] for row in numbers], [len(own) for own in axes.values()])
+        whose = f", surface of the first {averages[0]}" if averages and name in _OF_THE_SURFACE else ""
+        data[name] = (list(axes), values, {"units": units, "long_name": long_name + whose})
+    return xr.Dataset(data, {dim: (dim, own, attrs[dim]) for dim, own in axes.items()})
 
 
 MEANINGS = {
@@ -109,39 +90,32 @@ MEANINGS = {
 _OF_THE_SURFACE = set(MEANINGS) - {"process_zone", "pixel_over_process_zone"}
 
 
-def _regime(
-    models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughness | None, reach: float
-) -> dict[str, float]:
+def _regime(inputs: Inputs, point: SweepPoint, surface: Roughness | None) -> dict[str, float]:
+    models, case = inputs.models, next(iter(inputs.cases_at(point.selection)), None)
     modulus, work, peak = (
         first_constant(models, point, name) for name in ("contact_modulus", "work_of_adhesion", "peak_tensile_stress")
     )
     zone = modulus * work / peak**2 if peak > 0 else np.nan
     parts = [select(models[name], point) for name in models if entry_of(name).feels_law]
-    pixels = [constant(part, "pixel") for part in parts if part is not None and "pixel" in part]
-    pixel = max(pixels, default=np.nan)
+    pixel = max((constant(part, "pixel") for part in parts if part is not None and "pixel" in part), default=np.nan)
     numbers = dict.fromkeys(MEANINGS, float("nan"))
     numbers |= {"process_zone": zone, "pixel_over_process_zone": pixel / zone if zone else np.nan}
     if surface is None or surface.rms_slope == 0:
         return numbers
-    energy = modulus * surface.conformal_energy
-    radius = 2 / surface.rms_laplacian
-    tabor = tabor_parameter(radius, modulus, work, reach) if reach > 0 else np.nan
+    energy, radius = modulus * surface.conformal_energy, 2 / surface.rms_laplacian
+    # The length r₀ of the Tabor parameter: the equilibrium distance or, outside a wall, the law's range.
+    reach = (
+        case.law.length
+        if case is not None and case.law.has_wall
+        else first_constant(models, point, "equilibrium_distance")
+    )
     return numbers | {
-        "tabor_parameter": tabor,
+        "tabor_parameter": tabor_parameter(radius, modulus, work, reach) if reach > 0 else np.nan,
         "adhesion_over_elastic_energy": work * surface.area_factor / energy,
         "full_contact_stress_over_peak": modulus * surface.conformal_stress / peak if peak > 0 else np.nan,
         "full_contact_energy": energy,
-        "area_factor": surface.area_factor,
-        "rms_slope": surface.rms_slope,
-        "rms_laplacian": surface.rms_laplacian,
+        **{name: getattr(surface, name) for name in ("area_factor", "rms_slope", "rms_laplacian")},
     }
-
-
-def _range(inputs: Inputs, point: SweepPoint) -> float:
-    """Length r₀ of the Tabor parameter (m): the equilibrium distance or, outside a wall, the law's range."""
-    distance = first_constant(inputs.models, point, "equilibrium_distance")
-    case = next(iter(inputs.cases_at(point.selection)), None)
-    return case.law.length if case is not None and case.law.has_wall else distance
 
 
 def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
@@ -152,18 +126,12 @@ def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
     case = next(iter(inputs.cases_at(point.selection)), None)
     if case is None or not case.surface.periodic:
         return None
-    try:
+    with suppress(InputError):  # the height map is missing
         surface = realise(case)
-    except InputError:  # the height map is missing
-        return _from_dataset(inputs.models, point, case.solid)
-    return roughness(surface.sampled, surface.size, case.solid)
-
-
-def _from_dataset(models: Mapping[str, xr.Dataset], point: SweepPoint, solid: Elasticity) -> Roughness | None:
-    for dataset in models.values():
-        part = select(dataset, point)
+        return roughness(surface.sampled, surface.size, case.solid)
+    for part in (select(dataset, point) for dataset in inputs.models.values()):
         if part is not None and "height" in part and part["height"].ndim == 2:
             y, x = (part[axis].values[np.isfinite(part[axis].values)] for axis in ("y", "x"))
             heights = part["height"].values[: y.size, : x.size]
-            return roughness(heights, (y.size * (y[1] - y[0]), x.size * (x[1] - x[0])), solid)
+            return roughness(heights, (y.size * (y[1] - y[0]), x.size * (x[1] - x[0])), case.solid)
     return None

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.plots.maps import NEEDED
-from contact_study.report.align.cases import SweepPoint, case_points, select, sweep_points
+from contact_study.report.align.cases import SweepPoint, case_points, select, state_at, sweep_points
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.read.files import field_at
@@ -21,11 +21,8 @@ STATE = "state"
 def read_gaps(inputs: Inputs, point: SweepPoint, named: PathPoint, sample: Any) -> dict[str, xr.Dataset]:
     """The state of each simulation that kept its gaps and is in contact there, by the name of its entry."""
     found = {name: _with_fields(inputs, name, point, named, sample, ("gap", "pressure")) for name in inputs.simulations}
-    return {
-        name: state
-        for name, state in found.items()
-        if state is not None and "gap" in state and np.isfinite(state["gap"].values).all()
-    }
+    kept = {name: state for name, state in found.items() if state is not None and "gap" in state}
+    return {name: state for name, state in kept.items() if np.isfinite(state["gap"].values).all()}
 
 
 def read_interface(inputs: Inputs, point: SweepPoint, named: PathPoint, sample: Any) -> xr.Dataset | None:
@@ -77,14 +74,10 @@ def read_magnification(
 
 def _state(inputs: Inputs, model: str, point: SweepPoint, named: PathPoint, sample: Any) -> xr.Dataset | None:
     """One state of a model without its fields; None where it has no such state."""
-    part = select(inputs.models[model], point)
-    if part is None or named not in (path := case_points(part, inputs.control)):
-        return None
-    if inputs.average in part.dims:
-        if sample is None:
-            return None
-        part = part.sel({inputs.average: sample})
-    return part.isel(step=path.index(named))
+    state = state_at(inputs.models[model], point, named)
+    if state is None or inputs.average not in state.dims:
+        return state
+    return None if sample is None else state.sel({inputs.average: sample})
 
 
 def _with_fields(
@@ -96,18 +89,15 @@ def _with_fields(
         return None
     part = select(inputs.models[model], point)
     assert part is not None
-    selection = dict(point.selection)
-    if inputs.average in part.dims:
-        selection[inputs.average] = sample
-    step = case_points(part, inputs.control).index(named)
+    selection = {**point.selection, **({inputs.average: sample} if inputs.average in part.dims else {})}
+    step = case_points(part).index(named)
     # Smaller cells of a sweep are padded to the points of the largest.
     y, x = (state[axis].values for axis in ("y", "x"))
     cell = {axis: np.flatnonzero(np.isfinite(values)) for axis, values in (("y", y), ("x", x))}
     numbered = {f"{axis}_index": axis for axis in ("y", "x") if f"{axis}_index" in state.dims}
     state = state.drop_vars(["y", "x"]).rename(numbered)
     for name in names:
-        values = field_at(inputs.paths[entry_of(model).file], name, selection, step)
-        if values is not None:
-            state = state.assign({name: (variable_of(name).dims[-values.ndim :], values)})
+        if (values := field_at(inputs.paths[entry_of(model).file], name, selection, step)) is not None:
+            state[name] = (variable_of(name).dims[-values.ndim :], values)
     there = {axis: places for axis, places in cell.items() if axis in state.dims}
     return state.isel(there).assign_coords(y=y[cell["y"]], x=x[cell["x"]])

@@ -10,47 +10,32 @@ import xarray as xr
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import TractionLaw
-from contact_study.report.models import entry_of, file_kinds, in_order, kind_of, of_file, spectrum_of
+from contact_study.report.models import entry_of, file_kinds, in_order, is_simulated, kind_of, of_file, spectrum_of
 from contact_study.report.read.files import branches_in, models_in, open_groups, unknown_theories
 from contact_study.report.read.load_steps import SEED, swept_dims, with_average
 from contact_study.report.read.studies import carried_study, check_height_maps, check_studies
 from contact_study.study.case import Case
-from contact_study.study.schema.dotted_keys import same
+from contact_study.study.schema.dotted_keys import SECTIONS, same
+from contact_study.study.schema.keys import keys_of
 from contact_study.study.study import Study
 
+# Realisations differ in the seed, and what is kept of them changes no number that is shown.
+_WITHOUT_SAY = (f"surface.{SEED}", *(f"output.{name}" for name in keys_of(SECTIONS["output"])))
 # Attributes by which two datasets of one model may differ; what else they hold follows from these.
 _OF_A_RUN = ("study_toml", "predictor", "height_maps", "version", "git_commit")
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """The datasets of a comparison.
+    """The datasets of a comparison."""
 
-    Attributes
-    ----------
-    paths : dict
-        Files by name: the kind of dataset, and a suffix where there are several of one kind.
-    models : dict
-        Dataset of each model shown, by the name of its entry, in the order of the entries.
-    branches : dict
-        The metastable branches that enclose a theory, by its name, ``loading`` and ``unloading``, if they are there.
-    studies : dict
-        Study of each file.
-    notes : tuple of str
-        Differences between the studies.
-    groups : dict
-        Groups of each file as they stand in it, "" for the root.
-    average : str
-        The swept key over which a reader sees means.
-    """
-
-    paths: dict[str, Path]
-    models: dict[str, xr.Dataset]
-    branches: dict[str, dict[str, xr.Dataset]]
-    studies: dict[str, Study]
-    notes: tuple[str, ...] = ()
-    groups: dict[str, dict[str, xr.Dataset]] = field(default_factory=dict)
-    average: str = SEED
+    paths: dict[str, Path]  # by name of the file: the kind of dataset, and a suffix where there are several of one kind
+    models: dict[str, xr.Dataset]  # each model shown, by the name of its entry, in the order of the entries
+    branches: dict[str, dict[str, xr.Dataset]]  # metastable ones that enclose a theory: ``loading`` and ``unloading``
+    studies: dict[str, Study]  # of each file
+    notes: tuple[str, ...] = ()  # differences between the studies
+    groups: dict[str, dict[str, xr.Dataset]] = field(default_factory=dict)  # of each file, "" for the root
+    average: str = SEED  # the swept key over which a reader sees means
 
     @property
     def study(self) -> Study:
@@ -87,17 +72,6 @@ class Inputs:
         return [case for case in self.cases if is_at(case, coordinates)]
 
     @property
-    def seeds(self) -> dict[str, list[int]]:
-        """The realisations that each simulation has, by model; empty for surfaces that are none."""
-        seeds = {}
-        for name in self.simulations:
-            cases = self.studies[entry_of(name).file].cases
-            found = [seed for case in cases if (seed := case.surface.realisation) is not None]
-            if found:
-                seeds[name] = list(dict.fromkeys(found))
-        return seeds
-
-    @property
     def samples(self) -> int:
         """The largest number of values that a model has of what is averaged over."""
         return max(dataset.sizes.get(self.average, 1) for dataset in self.models.values())
@@ -119,34 +93,30 @@ def is_at(case: Case, coordinates: Mapping[str, Any]) -> bool:
 
 
 def read_inputs(paths: Sequence[Path], average: str | None = None) -> Inputs:
-    """Open datasets of one contact, in any order.
-
-    Raises
-    ------
-    InputError
-        If a file is missing, unreadable, foreign or given twice, or the studies are of different contacts.
-    """
+    """Open datasets of one contact, in any order."""
     opened = {path: open_groups(path) for path in paths}
     if len(opened) < len(paths):
         raise InputError(f"{next(path for path in paths if list(paths).count(path) > 1)} is given twice")
-    tails = _tails({path: str(groups[""].attrs["model"]) for path, groups in opened.items()})
-    names = {of_file(str(opened[path][""].attrs["model"]), tail): path for path, tail in tails.items()}
+    kinds = {path: str(groups[""].attrs["model"]) for path, groups in opened.items()}
+    tails = _tails(kinds)
+    names = {of_file(kind, tails[path]): path for path, kind in kinds.items()}
     files = {name: names[name] for name in sorted(names, key=lambda name: file_kinds().index(kind_of(name)))}
     contents = {name: opened[path] for name, path in files.items()}
     _check_told_apart(files, contents)
-    _check_average(average, contents)
+    swept = dict.fromkeys(dim for groups in contents.values() for dim in swept_dims(groups[""]))
+    if average is not None and average not in swept:
+        raise InputError(f"--average {average}: no dataset sweeps it; swept: {', '.join(swept) or 'nothing'}")
+    average = average or SEED
     studies: dict[str, Study] = {}
     notes: list[str] = []
     for name, path in files.items():
-        studies[name], joined = carried_study(path, contents[name][""], average or SEED)
-        notes += joined
-        notes += [
-            f"{path}: holds the theory {label}, which is not shown" for label in unknown_theories(contents[name][""])
-        ]
+        studies[name], joined = carried_study(path, contents[name][""], average)
+        unknown = unknown_theories(contents[name][""])
+        notes += [*joined, *(f"{path}: holds the theory {label}, which is not shown" for label in unknown)]
     notes += check_studies(list(files), files, studies)
     check_height_maps(files, {name: groups[""].attrs for name, groups in contents.items()})
     contents = {
-        name: {group: with_average(dataset, average or SEED) for group, dataset in groups.items()}
+        name: {group: with_average(dataset, average) for group, dataset in groups.items()}
         for name, groups in _one_spelling(contents).items()
     }
     found: dict[str, xr.Dataset] = {}
@@ -156,21 +126,8 @@ def read_inputs(paths: Sequence[Path], average: str | None = None) -> Inputs:
         branches |= branches_in(groups, tails[files[name]])
     if not found:
         raise InputError(f"{', '.join(map(str, paths))}: no model there is one that is shown")
-    return Inputs(
-        files,
-        {name: found[name] for name in in_order(found)},
-        branches,
-        studies,
-        tuple(notes),
-        contents,
-        average or SEED,
-    )
-
-
-def _check_average(average: str | None, contents: Mapping[str, Mapping[str, xr.Dataset]]) -> None:
-    swept = dict.fromkeys(dim for groups in contents.values() for dim in swept_dims(groups[""]))
-    if average is not None and average not in swept:
-        raise InputError(f"--average {average}: no dataset sweeps it; swept: {', '.join(swept) or 'nothing'}")
+    models = {name: found[name] for name in in_order(found)}
+    return Inputs(files, models, branches, studies, tuple(notes), contents, average)
 
 
 def _tails(kinds: Mapping[Path, str]) -> dict[Path, str]:
@@ -217,3 +174,35 @@ def _one_spelling(contents: Mapping[str, dict[str, xr.Dataset]]) -> dict[str, di
                 dataset = dataset.assign_coords({dim: (dim, own, dataset[dim].attrs)})
             spelt[kind][name] = dataset
     return spelt
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """One simulation over several realisations."""
+
+    model: str  # name of its entry
+    dataset: xr.Dataset  # its dataset without the fields
+    notes: tuple[str, ...] = ()  # differences to the studies compared
+
+    @property
+    def surfaces(self) -> int:
+        """How many realisations it has."""
+        return self.dataset.sizes[SEED]
+
+
+def read_scatter(path: Path, inputs: Inputs) -> Scatter:
+    """Open a dataset of several realisations of the contact that is compared, whose scatter is shown behind it."""
+    where = f"--scatter {path}"
+    if inputs.average != SEED:
+        raise InputError(f"{where}: is over seeds and does not go with --average {inputs.average}; leave one out")
+    dataset = open_groups(path)[""]
+    model = str(dataset.attrs["model"])
+    if not is_simulated(model):
+        raise InputError(f"{where}: a theory has no single surface; give a dataset of a simulation")
+    if dataset.sizes.get(SEED, 1) < 2:
+        raise InputError(f'{where}: holds one surface; sweep the seed, [sweep] "surface.seed" = [1, 2, 3]')
+    study, notes = carried_study(path, dataset)
+    first, *_ = inputs.paths
+    paths, studies = {"compared": inputs.paths[first], model: path}, {"compared": inputs.studies[first], model: study}
+    notes += check_studies(list(paths), paths, studies, _WITHOUT_SAY)
+    return Scatter(model, with_average(dataset, SEED), tuple(notes))

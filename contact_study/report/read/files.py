@@ -25,13 +25,7 @@ _GROUPS = ("", _METASTABLE)
 
 
 def open_groups(path: Path) -> dict[str, xr.Dataset]:
-    """The groups of a file by name, "" for the root, without the fields.
-
-    Raises
-    ------
-    InputError
-        If it is missing, unreadable or foreign.
-    """
+    """The groups of a file by name, "" for the root, without the fields."""
     require_dataset(path)
     with readable(path), xr.open_datatree(path, engine=engine_of(path), decode_timedelta=False) as tree:
         attrs = tree.attrs
@@ -41,10 +35,8 @@ def open_groups(path: Path) -> dict[str, xr.Dataset]:
     if foreign:
         raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
     if str(attrs["schema_version"]).split(".")[0] != SCHEMA_VERSION.split(".")[0]:
-        raise InputError(
-            f"{path}: has schema version {attrs['schema_version']}, this program reads {SCHEMA_VERSION}; run its study "
-            "again"
-        )
+        versions = f"has schema version {attrs['schema_version']}, this program reads {SCHEMA_VERSION}"
+        raise InputError(f"{path}: {versions}; run its study again")
     return groups
 
 

@@ -26,28 +26,17 @@ def with_average(dataset: xr.Dataset, name: str) -> xr.Dataset:
     return dataset.assign_attrs({_AVERAGED: name})
 
 
-def samples_in(part: xr.Dataset | xr.DataArray) -> list[str]:
-    """The dimension over which the values of one point of the sweep are averaged; empty without one."""
-    return [str(dim) for dim in part.dims if dim in part.coords and dim not in COORDINATES]
-
-
-def swept_dims(dataset: xr.Dataset) -> tuple[str, ...]:
+def swept_dims(dataset: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
     """The swept keys among a dataset's dimensions, in their order.
 
-    They have values, unlike dimensions that only count, such as the points along y where
-    the sweep changes their positions.
+    They have values, unlike dimensions that only count, such as points along y where the sweep changes their positions.
+    In one point of the sweep only what is averaged over is left of them.
     """
     return tuple(str(dim) for dim in dataset.dims if dim in dataset.coords and dim not in COORDINATES)
 
 
 def positions(dims: Mapping[str, np.ndarray], coordinates: Mapping[str, Any]) -> dict[str, int]:
-    """Find the positions of swept values along their dimensions, however they were rounded.
-
-    Raises
-    ------
-    KeyError
-        If a dimension lacks the value.
-    """
+    """Find the positions of swept values along their dimensions, however they were rounded."""
     found = {}
     for dim, value in coordinates.items():
         if dim in dims:
@@ -68,7 +57,10 @@ def on_common_path(models: Mapping[str, xr.Dataset], control: str) -> dict[str, 
     shared = dict(zip(wanted, xr.align(*wanted.values(), join="inner", exclude=["step"]), strict=True))
     lead = xr.broadcast(*(dataset["prescribed"].isel(step=0, drop=True) for dataset in shared.values()))[0]
     points = {name: _all_points(dataset, lead) for name, dataset in shared.items()}
-    union = {index: _union([of_model[index] for of_model in points.values()]) for index in np.ndindex(lead.shape)}
+    every = {
+        index: [point for of_model in points.values() for point in of_model[index]] for index in np.ndindex(lead.shape)
+    }
+    union = {index: [point for point in dict.fromkeys(own) if point is not None] for index, own in every.items()}
     steps = max(len(case) for case in union.values())
     position = {name: np.full((*lead.shape, steps), -1) for name in shared}
     prescribed = np.full((*lead.shape, steps), np.nan)
@@ -107,7 +99,3 @@ def _all_points(dataset: xr.Dataset, lead: xr.DataArray) -> dict[tuple[int, ...]
         dataset[name].broadcast_like(lead).transpose(*lead.dims, "step").values for name in ("prescribed", "branch")
     )
     return {index: path_points(prescribed[index], branch[index]) for index in np.ndindex(lead.shape)}
-
-
-def _union(paths: list[list[PathPoint | None]]) -> list[PathPoint]:
-    return list(dict.fromkeys(point for path in paths for point in path if point is not None))

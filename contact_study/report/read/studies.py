@@ -1,10 +1,10 @@
 """Studies of the datasets, held against what the datasets hold and against one another.
 
-Datasets are joined, cut and passed on with tools that ignore the study in their attributes. The report's text is taken
-from the study, so the study is changed to what the dataset holds, or the dataset is refused. Differences that make two
-studies different contacts are refused, all others are notes.
+The report's text is from the study, which tools that join or cut datasets ignore: it is changed to what the dataset
+holds, or the dataset is refused. Differences that make two studies different contacts are refused, others are notes.
 """
 
+import itertools
 import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -39,13 +39,7 @@ _EVEN = 1e-9  # of the largest bin: how far widths of even bins may differ
 
 
 def carried_study(path: Path, dataset: xr.Dataset, average: str = SEED) -> tuple[Study, list[str]]:
-    """Read the study of a dataset, with the sweep that the dataset holds, and notes on what differs in it.
-
-    Raises
-    ------
-    InputError
-        If there is no such study, or the dataset has bins or a loading path that are not its study's.
-    """
+    """Read the study of a dataset, with the sweep that the dataset holds, and notes on what differs in it."""
     study = _named(path, lambda: RunRecord.read(dataset.attrs, path.parent).study)
     changes = dict(_changed_sweep(path, dataset, study))
     if changes:
@@ -149,17 +143,16 @@ def _path_of(dataset: xr.Dataset, case: Case) -> list[PathPoint]:
 def check_studies(
     names: Sequence[str], paths: Mapping[str, Path], studies: Mapping[str, Study], ignored: Collection[str] = ()
 ) -> Iterator[str]:
-    """Yield notes on the differences between the study of the first name and each other one.
-
-    Raises
-    ------
-    InputError
-        If two studies are of different contacts, or their sweeps have nothing in common.
-    """
+    """Yield notes on the differences between the study of the first name and each other one."""
     first = names[0]
     for other in names[1:]:
         where = f"{paths[first]} and {paths[other]}"
-        pairs = _matching_cases(studies[first], studies[other])
+        shared = set(studies[first].sweep) & set(studies[other].sweep)
+        pairs = [
+            (one, two)
+            for one, two in itertools.product(studies[first].cases, studies[other].cases)
+            if all(same(one.coordinates[name], two.coordinates[name]) for name in shared)
+        ]
         if not pairs:
             raise InputError(f"{where} cannot be compared: their sweeps have no point in common")
         target_only = not is_simulated(other) and all(case.spectra == (TARGET,) for case in studies[other].cases)
@@ -179,24 +172,8 @@ def check_studies(
             yield f"{where} share {len(pairs)} points of their sweeps; only these are compared"
 
 
-def _matching_cases(one: Study, two: Study) -> list[tuple[Case, Case]]:
-    shared = set(one.sweep) & set(two.sweep)
-    return [
-        (a, b)
-        for a in one.cases
-        for b in two.cases
-        if all(same(a.coordinates[name], b.coordinates[name]) for name in shared)
-    ]
-
-
 def check_height_maps(paths: Mapping[str, Path], attributes: Mapping[str, Mapping[str, Any]]) -> None:
-    """Refuse datasets whose height maps had another content when they were read.
-
-    Raises
-    ------
-    InputError
-        If one path stands for two contents.
-    """
+    """Refuse datasets whose height maps had another content when they were read."""
     known: dict[str, tuple[str, str]] = {}
     for name, path in paths.items():
         for height_map, content in recorded_height_maps(attributes[name]).items():
