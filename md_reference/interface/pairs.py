@@ -110,12 +110,14 @@ class LennardJonesInterface:
 
     def floor(self, displacement: np.ndarray) -> np.ndarray:
         """Return the higher of the surface below each atom and of the nearest site (m), shape (ny, nx)."""
-        y, x = self._lateral_positions(displacement)
+        positions, substrate = self._lateral_positions(displacement), self.substrate
         rows, columns = (
-            np.floor(at / b + 0.5).astype(int) for at, b in zip((y, x), self.substrate.spacing, strict=True)
+            # Midway between two sites rounding decides which one is nearest: both count.
+            [np.floor(at / b + half).astype(int) % n for half in (0.5 - 1e-9, 0.5 + 1e-9)]
+            for at, b, n in zip(positions, substrate.spacing, substrate.shape, strict=True)
         )
-        nearest = self.substrate.heights[rows % self.substrate.shape[0], columns % self.substrate.shape[1]]
-        return np.maximum(self.substrate.height_and_cosine(y, x)[0], nearest)
+        nearest = np.max([substrate.heights[row, column] for row in rows for column in columns], axis=0)
+        return np.maximum(substrate.height_and_cosine(*positions)[0], nearest)
 
     def rest_heights(self) -> np.ndarray:
         """Return the height of the surface under the atoms' rest positions (m), shape (ny, nx)."""

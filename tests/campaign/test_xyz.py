@@ -19,7 +19,7 @@ from contact_study.start import contact_compare
 from contact_study.study.study import make_study
 from md_reference.study.dynamics import build_block
 from md_reference.study.model import check
-from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, WELL_DEPTH, moving
+from tests.md_reference.systems import R0, SPACING, WELL_DEPTH, moving
 
 ANGSTROM = 1e-10
 DIGITS = 1e-8  # of every number, as ASE writes it
@@ -45,12 +45,12 @@ def moved():
 
 def pair_force(offsets):
     """Force (N) of sites at ``offsets`` (m) from them to one atom: Lennard-Jones with the switch from 0.9 to 1 r_c."""
-    s = np.sum(offsets**2, axis=-1) / LENGTH**2
+    s = np.sum(offsets**2, axis=-1) / R0**2
     cutoff2 = 16.0
     u = np.clip((s - 0.81 * cutoff2) / (0.19 * cutoff2), 0, 1)
     switch, slope = (1 - u) ** 3 * (1 + 3 * u + 6 * u**2), -30 * u**2 * (1 - u) ** 2 / (0.19 * cutoff2)
     energy_slope = (3 * s**-4 - 6 * s**-7) * switch + (s**-6 - s**-3) * slope
-    return np.sum(-8 * WELL_DEPTH * energy_slope[:, None] * offsets / LENGTH**2, axis=0)
+    return np.sum(-8 * WELL_DEPTH * energy_slope[:, None] * offsets / R0**2, axis=0)
 
 
 def test_stresses_follow_from_the_positions(dataset, tmp_path):
@@ -74,7 +74,7 @@ def test_stresses_follow_from_the_positions(dataset, tmp_path):
         force = pair_force(offset * ANGSTROM)
         told = [*block.arrays["shear_stress"][number], block.arrays["normal_stress"][number]]
         # Digits of the positions times the stiffest pairs, 100 GPa/Å.
-        np.testing.assert_allclose(force / LATTICE_CONSTANT**2 / 1e9, told, atol=1e-5)
+        np.testing.assert_allclose(force / SPACING**2 / 1e9, told, atol=1e-5)
     assert np.all(sites.arrays["normal_stress"] == 0)
     assert np.all(frames[2].arrays["normal_stress"] == 0)  # torn off
     (path,) = to_xyz(dataset.drop_vars("atom_mass"), tmp_path / "bare.xyz")
@@ -94,7 +94,7 @@ def test_atoms_are_those_of_the_state(dataset):
     ).real
     area = np.mean(at.atom_height.values - below <= dataset.contact_distance.item())
     assert area == at.relative_contact_area.item()
-    assert np.abs(at.lateral_displacement_x).max() > 0.01 * LATTICE_CONSTANT
+    assert np.abs(at.lateral_displacement_x).max() > 0.01 * SPACING
 
 
 def test_explicit_block_has_its_levels_and_velocities(moved, tmp_path):

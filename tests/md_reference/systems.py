@@ -11,17 +11,16 @@ from md_reference.block.condensed import isotropic_element, lame_constants, surf
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.interface.substrate import Substrate
 
-LATTICE_CONSTANT = 2.6e-10
-LENGTH = 3.28e-10
+SPACING = 2.6e-10
+R0 = 3.28e-10
 WELL_DEPTH = 18.6e-3 * 1.602176634e-19
-YOUNGS_MODULUS = 77.2e9
-POISSONS_RATIO = 0.42
-CONTACT_MODULUS = YOUNGS_MODULUS / (1 - POISSONS_RATIO**2)
-AREA = LATTICE_CONSTANT**2
-ANGSTROM = 1e-10
+YOUNGS = 77.2e9
+POISSON = 0.42
+E_STAR = YOUNGS / (1 - POISSON**2)
+AREA = SPACING**2
 MASS = 3.27e-25
-LAME = lame_constants(YOUNGS_MODULUS, POISSONS_RATIO)
-ELEMENT = isotropic_element(LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO)
+LAME = lame_constants(YOUNGS, POISSON)
+ELEMENT = isotropic_element(SPACING, YOUNGS, POISSON)
 
 
 def rough_heights(modes=3, rms=2e-10):
@@ -33,19 +32,19 @@ def rough_heights(modes=3, rms=2e-10):
 def interface_of(atoms, heights=None, ratio=1.0, threads=1):
     sites = tuple(round(1.618033988749895 * n) for n in atoms)
     heights = np.zeros(sites) if heights is None else interpolate(heights, sites)
-    substrate = Substrate(heights, tuple(n * LATTICE_CONSTANT / m for n, m in zip(atoms, sites, strict=True)))
-    spacing = (LATTICE_CONSTANT, LATTICE_CONSTANT)
-    return LennardJonesInterface(substrate, atoms, spacing, ratio * WELL_DEPTH, LENGTH, 4.0, threads)
+    substrate = Substrate(heights, tuple(n * SPACING / m for n, m in zip(atoms, sites, strict=True)))
+    spacing = (SPACING, SPACING)
+    return LennardJonesInterface(substrate, atoms, spacing, ratio * WELL_DEPTH, R0, 4.0, threads)
 
 
 def touching(interface):
     displacement = np.zeros((3, *interface.shape))
-    displacement[2] = interface.rest_heights().max() + 1.1 * LENGTH
+    displacement[2] = interface.rest_heights().max() + 1.1 * R0
     return displacement
 
 
 def stiffness_of(atoms, layers=None):
-    return surface_stiffness(ELEMENT, atoms, LATTICE_CONSTANT, layers or max(atoms))
+    return surface_stiffness(ELEMENT, atoms, SPACING, layers or max(atoms))
 
 
 def apply(stiffness, displacement, free=False):
@@ -68,7 +67,7 @@ def matrices_of(six):
 
 
 class Quartic:
-    length = LENGTH
+    length = R0
 
     def __init__(self, strength=0.0):
         self.strength = strength
@@ -92,14 +91,14 @@ SAMPLED = {
         "cutoff_mode": 3,
     },
     "material": {
-        "youngs_modulus": YOUNGS_MODULUS,
-        "poissons_ratio": POISSONS_RATIO,
+        "youngs_modulus": YOUNGS,
+        "poissons_ratio": POISSON,
         "lattice_constant": "2.6 angstrom",
     },
     "interaction": {
         "law": "lennard_jones_10_4",
         "well_depth": WELL_DEPTH,
-        "length": LENGTH,
+        "length": R0,
         "contact_distance": "3.68 angstrom",
     },
     "loading": {"path": ["1 GPa", "3 GPa"]},
@@ -129,9 +128,9 @@ def case_of(atoms=(48, 48), ratio=1.0, path=("0.5 GPa",), control="pressure", **
     table = copy.deepcopy({name: SAMPLED[name] for name in ("surface", "material", "interaction")})
     given = {
         "surface": {
-            "size": [2.6 * ANGSTROM * n for n in atoms],
+            "size": [2.6e-10 * n for n in atoms],
             "shape": list(atoms),
-            "rms_height": 2.0 * ANGSTROM,
+            "rms_height": 2.0e-10,
             "cutoff_mode": 4,
             "seed": 1,
         },

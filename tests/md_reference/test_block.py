@@ -2,27 +2,23 @@
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
-from md_reference.block.condensed import CORNERS, effective_contact_modulus, surface_stiffness
+from md_reference.block.condensed import CORNERS, effective_contact_modulus
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
-from md_reference.block.nonlinear_slab import rotating_slab_force
-from md_reference.block.slab import slab_constants, slab_force
 from tests.md_reference.systems import (
     AREA,
-    CONTACT_MODULUS,
+    E_STAR,
     ELEMENT,
     LAME,
-    LATTICE_CONSTANT,
     MASS,
-    POISSONS_RATIO,
-    YOUNGS_MODULUS,
+    POISSON,
+    SPACING,
+    YOUNGS,
     apply,
     stiffness_of,
 )
 
-SCALE = LAME[1] * LATTICE_CONSTANT**2  # a spring's force at a stretch of one
-TURNING = LATTICE_CONSTANT, LAME[1], LAME[0] - LAME[1]
+SCALE = LAME[1] * SPACING**2  # a spring's force at a stretch of one
 
 
 def dense_stiffness(element, shape, layers):
@@ -39,53 +35,46 @@ def dense_stiffness(element, shape, layers):
 def test_condensation_equals_dense_schur_complement(shape, layers):
     surface, kept = 3 * shape[0] * shape[1], 3 * layers * shape[0] * shape[1]
     dense = dense_stiffness(ELEMENT, shape, layers)[:kept, :kept]  # the top plane is clamped
-    schur = dense[:surface, :surface]
-    if layers > 1:
-        schur = schur - dense[:surface, surface:] @ np.linalg.solve(
-            dense[surface:, surface:], dense[surface:, :surface]
-        )
+    inside, coupling = dense[surface:, surface:], dense[surface:, :surface]
+    schur = dense[:surface, :surface] - coupling.T @ np.linalg.solve(inside, coupling)
     u = np.random.default_rng(1).standard_normal((*shape, 3))
     expected = (schur @ u.ravel()).reshape(u.shape)
-    found = apply(surface_stiffness(ELEMENT, shape, LATTICE_CONSTANT, layers), np.moveaxis(u, -1, 0))
+    found = apply(stiffness_of(shape, layers), np.moveaxis(u, -1, 0))
     # Rounding of a well-conditioned elimination.
     np.testing.assert_allclose(np.moveaxis(found, 0, -1), expected, atol=1e-13 * np.abs(expected).max())
 
 
 def test_element_carries_no_force_in_rigid_motion_and_has_the_isotropic_moduli():
-    corners = CORNERS * LATTICE_CONSTANT
-    rng = np.random.default_rng(0)
-    rotation = rng.standard_normal((3, 3))
-    rotation -= rotation.T
+    corners, rng = CORNERS * SPACING, np.random.default_rng(0)
+    gradient = rng.standard_normal((3, 3))
+    strain, rotation = 0.5 * (gradient + gradient.T), gradient - gradient.T
     rigid = (corners @ rotation.T + rng.standard_normal(3)).ravel()
     assert np.abs(ELEMENT @ rigid).max() < 1e-13 * np.abs(ELEMENT).max() * np.abs(rigid).max()
-    gradient = rng.standard_normal((3, 3))
-    strain = 0.5 * (gradient + gradient.T)
     uniform = (corners @ gradient.T).ravel()
-    first = YOUNGS_MODULUS * POISSONS_RATIO / ((1 + POISSONS_RATIO) * (1 - 2 * POISSONS_RATIO))
-    shear = YOUNGS_MODULUS / (2 * (1 + POISSONS_RATIO))
-    expected = LATTICE_CONSTANT**3 * (0.5 * first * np.trace(strain) ** 2 + shear * np.sum(strain**2))
+    first, shear = YOUNGS * POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), YOUNGS / (2 * (1 + POISSON))
+    expected = SPACING**3 * (0.5 * first * np.trace(strain) ** 2 + shear * np.sum(strain**2))
     assert 0.5 * uniform @ ELEMENT @ uniform == pytest.approx(expected, rel=1e-12)
-    xx, yy, zz, *others = stiffness_of((2, 2), 7).coefficients[:, 0, 0] * 7 / LATTICE_CONSTANT
+    xx, yy, zz, *others = stiffness_of((2, 2), 7).coefficients[:, 0, 0] * 7 / SPACING
     np.testing.assert_allclose([xx, yy, zz], [shear, shear, first + 2 * shear], rtol=1e-12)
     np.testing.assert_allclose(others, 0, atol=1e-12 * zz)
 
 
 def test_effective_modulus_is_that_of_the_waves_present():
     stiffness = stiffness_of((24, 36))
+    modulus = stiffness.contact_modulus
     wave = np.cos(2 * np.pi * 5 * np.arange(36) / 36)[None, :] * np.ones((24, 1))
-    assert effective_contact_modulus(stiffness, wave) == pytest.approx(stiffness.contact_modulus[0, 5], rel=1e-9)
     # The transform holds a wave along y twice, one along x once; each weighs by its wavenumber and squared amplitude.
     both = effective_contact_modulus(stiffness, 3 * np.cos(2 * np.pi * 8 * np.arange(24) / 24)[:, None] + 2 * wave)
     along_y, along_x = 9 * 8 / 24, 4 * 5 / 36
-    expected = along_y * stiffness.contact_modulus[8, 0] + along_x * stiffness.contact_modulus[0, 5]
+    expected = along_y * modulus[8, 0] + along_x * modulus[0, 5]
     assert both == pytest.approx(expected / (along_y + along_x), rel=1e-9)
     flat_surface = effective_contact_modulus(stiffness, np.zeros((24, 36)))
-    assert flat_surface == pytest.approx(stiffness.contact_modulus[0, 1], rel=1e-12)
-    assert flat_surface == pytest.approx(CONTACT_MODULUS, rel=0.05)
+    assert flat_surface == pytest.approx(modulus[0, 1], rel=1e-12)
+    assert flat_surface == pytest.approx(E_STAR, rel=0.05)
 
 
 def block_of(atoms=(16, 16), layers=(2, 2, 2), kind=MultiscaleBlock):
-    return kind(atoms, LATTICE_CONSTANT, *LAME, layers, MASS)
+    return kind(atoms, SPACING, *LAME, layers, MASS)
 
 
 def random_vector(block, seed=0):
@@ -118,30 +107,26 @@ def test_forces_are_those_of_the_element():
     np.testing.assert_allclose(found.ravel(), expected, rtol=0, atol=1e-14 * np.max(np.abs(expected)))
 
 
-def test_hanging_nodes_leave_the_stiffness_symmetric():
-    block = block_of()
-    u, v = random_vector(block, 1), random_vector(block, 2)
-    assert np.vdot(v, forces(block, u)) == pytest.approx(np.vdot(u, forces(block, v)), rel=1e-12)
-
-
 def strained(block, strain):
     u, floor = np.zeros(block.size), 0
     for level, nodes in zip(block.levels, block.levels_of(u), strict=True):
         heights = floor + level.size * np.arange(nodes.shape[1])
-        nodes[2] = strain * LATTICE_CONSTANT * heights[:, None, None]
+        nodes[2] = strain * SPACING * heights[:, None, None]
         floor = heights[-1]
     return u
 
 
 def test_uniform_strain_and_rigid_motion_are_exact_across_levels():
     block = block_of()
-    u, force = strained(block, 1e-3) + 5.0 * LATTICE_CONSTANT, np.zeros(block.size)
+    u, v = random_vector(block, 1), random_vector(block, 2)  # hanging nodes leave the stiffness symmetric
+    assert np.vdot(v, forces(block, u)) == pytest.approx(np.vdot(u, forces(block, v)), rel=1e-12)
+    u, force = strained(block, 1e-3) + 5.0 * SPACING, np.zeros(block.size)
     block.force(u, force)
     stress = block.top_of(force)[2].sum()
     assert stress < 0
     assert block.bottom_of(force)[2].sum() == pytest.approx(-stress, rel=1e-12)
     # ½ k u² of a bar: M (1e-3)² / 2 per volume, M = λ + 2μ, 14 layers of cells.
-    expected = 0.5 * (LAME[0] + 2 * LAME[1]) * 1e-6 * 14 * 16**2 * LATTICE_CONSTANT**3
+    expected = 0.5 * (LAME[0] + 2 * LAME[1]) * 1e-6 * 14 * 16**2 * SPACING**3
     assert block.elastic_energy(u, force) == pytest.approx(expected, rel=1e-12)
     block.bottom_of(force)[...] = block.top_of(force)[...] = 0
     # Springs of the size of the applied stress cancel to their rounding.
@@ -159,22 +144,8 @@ def test_nodes_weigh_what_they_stand_for():
 LINEAR, ROTATING = (block_of((16, 8), (3, 2), kind) for kind in (MultiscaleBlock, NonlinearSpringBlock))
 
 
-def test_a_turn_costs_nothing():
-    turn = Rotation.from_rotvec(np.pi / 6 / np.sqrt(5.25) * np.array([1.0, 2.0, -0.5])).as_matrix()
-    z, y, x = np.meshgrid(*(LATTICE_CONSTANT * np.arange(n) for n in (4, 7, 6)), indexing="ij")
-    u = np.einsum("cd,dkji->ckji", turn - np.eye(3), np.stack([x, y, z]))
-    found, linear = np.zeros_like(u), np.zeros_like(u)
-    energy = rotating_slab_force(u, found, *TURNING, 0, u.shape[2] - 2)
-    slab_force(u, linear, *slab_constants(LATTICE_CONSTANT, *LAME), 0, u.shape[2] - 2)
-    inside = np.s_[:, :, 1:-1, 1:-1]
-    # Rounding of the displacements, over a spring's length.
-    assert np.max(np.abs(found[inside])) < 1e-13 * SCALE
-    assert energy < 1e-24 * SCALE * LATTICE_CONSTANT
-    assert np.max(np.abs(linear[inside])) > 0.01 * SCALE
-
-
 def test_forces_of_turning_springs_are_the_gradient_of_the_energy():
-    at, along = 0.1 * LATTICE_CONSTANT * random_vector(ROTATING), LATTICE_CONSTANT * random_vector(ROTATING, 1)
+    at, along = 0.1 * SPACING * random_vector(ROTATING), SPACING * random_vector(ROTATING, 1)
 
     def energy(displacement):
         scratch = np.zeros(ROTATING.size)

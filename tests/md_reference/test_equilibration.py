@@ -8,7 +8,7 @@ from md_reference.thermal.checkpoint import ChainState, Frame, TrajectoryState
 from md_reference.thermal.equilibration import Descent, load_missing, not_in_equilibrium, still_moving
 from md_reference.thermal.hmc import SamplerState
 from md_reference.thermal.langevin import Motion
-from tests.md_reference.systems import CONTACT_MODULUS
+from tests.md_reference.systems import E_STAR
 
 
 def descent(carried, load=1e9, speed=0.0, terminal_speed=np.inf, impact=0.0):
@@ -45,24 +45,24 @@ LANDING = np.where(np.arange(100) < 50, 0.0, 1e9) + 0.1 * NOISE[:100]
     ],
 )
 def test_the_load_is_carried_within_the_error_of_the_mean(carried, swings, words):
-    residual, message = load_missing(descent(carried), CONTACT_MODULUS, swings=swings)
+    residual, message = load_missing(descent(carried), E_STAR, swings=swings)
     assert_said(words, message)
-    assert residual * CONTACT_MODULUS == pytest.approx(abs(np.mean(carried) - 1e9), abs=0.1)
+    assert residual * E_STAR == pytest.approx(abs(np.mean(carried) - 1e9), abs=0.1)
 
 
 def test_what_is_said_of_a_block_on_its_way():
     falling = descent([0.4e9, 0.5e9], speed=1.0, terminal_speed=1.5)
-    for words in (still_moving(falling, 0.0, CONTACT_MODULUS)[1], load_missing(falling, CONTACT_MODULUS)[1]):
+    for words in (still_moving(falling, 0.0, E_STAR)[1], load_missing(falling, E_STAR)[1]):
         assert words.startswith("the block still falls at 1 m/s: ")
         assert "lower dynamics.damping: damping limits its fall to 1.5 m/s" in words
-    assert still_moving(descent([1e9]), 1e-3 * CONTACT_MODULUS, CONTACT_MODULUS) == (1e-3, "")
+    assert still_moving(descent([1e9]), 1e-3 * E_STAR, E_STAR) == (1e-3, "")
     for moving, left, words in (
-        (descent([0.4e9, 0.5e9], speed=1.0, terminal_speed=15.0), 0.5e9 / CONTACT_MODULUS, "the atoms still move: "),
-        (descent([1e9], impact=2e-3 * CONTACT_MODULUS), 2e-3, "the atoms still move: "),
+        (descent([0.4e9, 0.5e9], speed=1.0, terminal_speed=15.0), 0.5e9 / E_STAR, "the atoms still move: "),
+        (descent([1e9], impact=2e-3 * E_STAR), 2e-3, "the atoms still move: "),
         # A load too small for the bound is not carried by a surface that nothing touches.
-        (descent([0.0], load=1e6), 1e6 / CONTACT_MODULUS, "no atom is within reach of the substrate: "),
+        (descent([0.0], load=1e6), 1e6 / E_STAR, "no atom is within reach of the substrate: "),
     ):
-        residual, message = still_moving(moving, 0.0, CONTACT_MODULUS)
+        residual, message = still_moving(moving, 0.0, E_STAR)
         assert residual == pytest.approx(left)
         assert_said(words, message)
 
@@ -93,7 +93,7 @@ def test_a_block_that_rings_or_is_cold_is_in_no_equilibrium(given, words):
     warmth = {"nodes": 300.0, "whole": 300.0, "bath": 300.0, "freedoms": 10_000, "forgotten": 9.0, **given}
     carried = [warmth.pop("carried", 1e9)] * warmth.pop("states", 100)
     moving = descent(carried, 1e9, warmth.pop("speed", 0.0), warmth.pop("terminal_speed", np.inf))
-    assert_said(words, not_in_equilibrium(moving, CONTACT_MODULUS, **warmth)[1])
+    assert_said(words, not_in_equilibrium(moving, E_STAR, **warmth)[1])
 
 
 def checkpoints():

@@ -13,9 +13,9 @@ from md_reference.statics.newton import solve
 from tests.bem_adhesion.paper_system import random_heights
 from tests.md_reference.systems import (
     AREA,
-    CONTACT_MODULUS,
-    LATTICE_CONSTANT,
-    LENGTH,
+    E_STAR,
+    R0,
+    SPACING,
     WELL_DEPTH,
     apply,
     interface_of,
@@ -27,7 +27,7 @@ from tests.md_reference.systems import (
 
 def solver_of(atoms, ratio=1.0, held=False, interface=None):
     interface = interface or interface_of(atoms, rough_heights(rms=1.2e-10), ratio)
-    energy = BlockEnergy(stiffness_of(atoms), interface, CONTACT_MODULUS, held)
+    energy = BlockEnergy(stiffness_of(atoms), interface, E_STAR, held)
     return interface, lambda start, pressure=0.0, most=2000: solve(energy, start, pressure, 1e-8, most)
 
 
@@ -43,12 +43,12 @@ def test_forces_balance_on_every_atom_and_the_energy_is_a_minimum(atoms, ratio):
     left = elastic - force
     left[2] += pressure * AREA
     # The solver's tolerance is 1e-8 E*; 1.5 leaves room for another order of summation.
-    assert np.abs(left).max() < 1.5e-8 * CONTACT_MODULUS * AREA
-    assert np.mean(force[2]) / AREA == pytest.approx(pressure, abs=1e-8 * CONTACT_MODULUS)
+    assert np.abs(left).max() < 1.5e-8 * E_STAR * AREA
+    assert np.mean(force[2]) / AREA == pytest.approx(pressure, abs=1e-8 * E_STAR)
     np.testing.assert_allclose([*found.shear_stress, found.pressure], force / AREA, rtol=0, atol=1e-9 * pressure)
     assert found.interaction_energy == pytest.approx(energy / nominal, rel=1e-12)
     assert found.elastic_energy == pytest.approx(0.5 * np.sum(u * elastic) / nominal, rel=1e-9)
-    assert np.abs(u[:2]).max() > 0.01 * LENGTH  # the lateral freedom is used
+    assert np.abs(u[:2]).max() > 0.01 * R0  # the lateral freedom is used
 
     def total(u):
         interaction = interface.evaluate(u, np.empty_like(u))
@@ -56,7 +56,7 @@ def test_forces_balance_on_every_atom_and_the_energy_is_a_minimum(atoms, ratio):
 
     rng = np.random.default_rng(0)
     for size in (1e-3, 1e-2, 5e-2):
-        assert total(u + size * LENGTH * rng.standard_normal((3, *atoms))) > total(u)
+        assert total(u + size * R0 * rng.standard_normal((3, *atoms))) > total(u)
 
 
 def test_gap_control_holds_the_mean_height():
@@ -76,7 +76,7 @@ def test_gap_control_holds_the_mean_height():
     # ... and further out −0.021 N/m, which only the held height keeps from closing (both by the full eigenproblem).
     saddle, closed = held_at(1e-10)
     assert closed.outcome is Outcome.CONVERGED
-    assert np.mean(closed.displacement[2]) < np.mean(saddle.displacement[2]) - 0.1 * LENGTH
+    assert np.mean(closed.displacement[2]) < np.mean(saddle.displacement[2]) - 0.1 * R0
 
 
 def test_limits_and_impossible_starts_are_reported(monkeypatch):
@@ -84,7 +84,7 @@ def test_limits_and_impossible_starts_are_reported(monkeypatch):
     start = separated(interface)
     assert solver(start, 1e9, 3).outcome is Outcome.ITERATION_LIMIT
     with pytest.raises(ValueError, match="inside the substrate"):
-        solver(start - 20 * LENGTH, 1e9)
+        solver(start - 20 * R0, 1e9)
     monkeypatch.setattr(BlockEnergy, "leave_saddle", lambda *_: True)
     interface, solver = solver_of((8, 8))
     found = solver(touching(interface), 1e9, 30)
@@ -94,10 +94,10 @@ def test_limits_and_impossible_starts_are_reported(monkeypatch):
 @pytest.mark.parametrize(("held", "distance"), [(False, 0.95), (True, 1.5)])
 def test_no_equilibrium_on_top_of_a_barrier(held, distance):
     atoms = (32, 32)
-    substrate = Substrate(np.zeros(atoms), (LATTICE_CONSTANT, LATTICE_CONSTANT))
-    interface = LennardJonesInterface(substrate, atoms, substrate.spacing, 8 * WELL_DEPTH, LENGTH, 4.0)
+    substrate = Substrate(np.zeros(atoms), (SPACING, SPACING))
+    interface = LennardJonesInterface(substrate, atoms, substrate.spacing, 8 * WELL_DEPTH, R0, 4.0)
     start = np.zeros((3, *atoms))
-    start[2] = distance * LENGTH
+    start[2] = distance * R0
     force = np.empty_like(start)
     uniform = interface.evaluate(start, force) / (AREA * force[2].size)
     pressure = float(np.mean(force[2])) / AREA
@@ -107,9 +107,9 @@ def test_no_equilibrium_on_top_of_a_barrier(held, distance):
     # What it gains is a good part of the energy, no rounding: measured 1.4 and 0.075 of it.
     assert found.elastic_energy + found.interaction_energy + work < uniform - 0.05 * abs(uniform)
     if held:
-        assert np.ptp(found.gap) > 0.2 * LENGTH
+        assert np.ptp(found.gap) > 0.2 * R0
     else:
-        assert np.abs(found.displacement[:2]).max() > 0.3 * LATTICE_CONSTANT
+        assert np.abs(found.displacement[:2]).max() > 0.3 * SPACING
 
 
 def test_a_balance_found_by_expansion_is_that_of_the_atoms(monkeypatch):
@@ -131,8 +131,8 @@ def test_a_balance_found_by_expansion_is_that_of_the_atoms(monkeypatch):
 )
 def test_atoms_carry_a_light_load(well_depth, loads):
     height = 4e-10 * random_heights((32, 32), 2.3, 1)[0]
-    size = 32 * LATTICE_CONSTANT
-    block = rough_contact(height, size, LATTICE_CONSTANT, 77.2e9, 0.42, well_depth, 3.28e-10, max_iterations=100)
+    size = 32 * SPACING
+    block = rough_contact(height, size, SPACING, 77.2e9, 0.42, well_depth, 3.28e-10, max_iterations=100)
     state = block.separated()
     for load in loads:
         found = block.step(state, load)

@@ -14,9 +14,9 @@ from md_reference.statics.newton import solve
 from md_reference.thermal.hmc import ThermalSampler
 from tests.md_reference.systems import (
     AREA,
-    CONTACT_MODULUS,
-    LATTICE_CONSTANT,
-    LENGTH,
+    E_STAR,
+    R0,
+    SPACING,
     Quartic,
     interface_of,
     rough_heights,
@@ -32,9 +32,9 @@ def test_anharmonic_well_is_sampled_exactly(monkeypatch):
     strength = 4 * thermal / (0.2e-10) ** 4
     coefficients = np.zeros((6, 4, 3))
     coefficients[:2] = 10.0  # lateral springs of their own
-    grid = Grid(shape, (4 * LATTICE_CONSTANT,) * 2)
-    stiffness = SurfaceStiffness(grid, LATTICE_CONSTANT, coefficients)
-    sampler = ThermalSampler(stiffness, Quartic(strength), CONTACT_MODULUS, temperature, pressure)
+    grid = Grid(shape, (4 * SPACING,) * 2)
+    stiffness = SurfaceStiffness(grid, SPACING, coefficients)
+    sampler = ThermalSampler(stiffness, Quartic(strength), E_STAR, temperature, pressure)
     generator = np.random.default_rng(3)
     start = np.zeros((3, *shape))
     start[2] = -0.3e-10
@@ -61,11 +61,11 @@ def test_anharmonic_well_is_sampled_exactly(monkeypatch):
 def pressed():
     shape, pressure = (16, 16), 1e9
     interface, stiffness = interface_of(shape, rough_heights()), stiffness_of(shape)
-    energy = BlockEnergy(stiffness, interface, CONTACT_MODULUS, False)
+    energy = BlockEnergy(stiffness, interface, E_STAR, False)
     equilibrium = solve(energy, touching(interface), pressure, 1e-8, 2000)
 
     def sampler(temperature=300.0, fixed_mean=False):
-        return ThermalSampler(stiffness, interface, CONTACT_MODULUS, temperature, pressure, fixed_mean)
+        return ThermalSampler(stiffness, interface, E_STAR, temperature, pressure, fixed_mean)
 
     return sampler, equilibrium.displacement
 
@@ -74,7 +74,7 @@ def pressed():
 def test_energy_error_falls_with_a_power_of_the_step(pressed, harmonic, ratio, within):
     sampler, equilibrium = pressed[0](), pressed[1]
     if harmonic:
-        sampler = ThermalSampler(stiffness_of((8, 12)), Quartic(), CONTACT_MODULUS, 300.0, fixed_mean=True)
+        sampler = ThermalSampler(stiffness_of((8, 12)), Quartic(), E_STAR, 300.0, fixed_mean=True)
         equilibrium = np.zeros((3, 8, 12))
     generator = np.random.default_rng(0)
     thermal = sampler.equilibrated(sampler.start(equilibrium), 20 if harmonic else 40, generator)
@@ -107,7 +107,7 @@ def test_cold_atoms_stand_where_the_minimiser_puts_them(pressed, fixed_mean):
     # Thermal motion of the softest wave: √(k_BT/2 N/m) = 3e-13 m at 0.01 K.
     assert np.max(np.abs(np.mean(places, axis=0) - equilibrium)) < 3e-13
     if fixed_mean:
-        assert np.ptp([np.mean(place[2]) for place in places]) < 1e-12 * LENGTH
+        assert np.ptp([np.mean(place[2]) for place in places]) < 1e-12 * R0
 
 
 @pytest.mark.parametrize("first_step", [0.15, 5.0])
@@ -129,7 +129,7 @@ def test_a_step_that_is_never_stable_ends():
             super().evaluate(displacement, force, hessian)
             return np.inf if displacement.any() else 0.0
 
-    sampler = ThermalSampler(stiffness_of((4, 4)), Inside(), CONTACT_MODULUS, 300.0)
+    sampler = ThermalSampler(stiffness_of((4, 4)), Inside(), E_STAR, 300.0)
     state = sampler.equilibrated(sampler.start(np.zeros((3, 4, 4))), 80, np.random.default_rng(0))
     assert state.time_step == pytest.approx(0.4 / 64)
     assert state.evaluations == 1 + 2 * 80  # the state itself and the first stage of every trajectory

@@ -14,73 +14,48 @@ from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from md_reference.study.cold import OverdampedAtoms
 from md_reference.study.model import check, solve_path
-from md_reference.study.system import build_contact, build_stiffness
-from tests.md_reference.systems import (
-    CONTACT_MODULUS,
-    LENGTH,
-    apply,
-    case_of,
-    changed,
-    groups_of,
-    touching,
-)
-
-AT_ONCE = 1e9  # a loading rate at which the load is there from the first step on
+from md_reference.study.system import build_contact
+from tests.md_reference.systems import AREA, E_STAR, FLOW, R0, apply, case_of, changed, groups_of, touching
 
 
 class Motion:
     def __init__(self, case):
         self.case, self.load = case, case.path[0][0]
-        surface = realise(case)
-        self.contact, self.pace = build_contact(case, surface), pace_of(case, surface.size)
-        self.block = build_stiffness(case)
-        self.area = self.block.area_per_atom
+        self.contact = build_contact(case, realise(case))
         self.start = touching(self.contact.interface)
 
-    def implicit(self, step_error, rate=AT_ONCE, start=None):
+    def implicit(self, step_error, rate=1e9):  # at which the load is there from the first step on
         given = dataclasses.replace(self.case.overdamped, step_error=step_error, loading_rate=rate)
-        pace = pace_of(dataclasses.replace(self.case, overdamped=given), realise(self.case).size)
+        pace = pace_of(dataclasses.replace(self.case, overdamped=given), self.case.lattice.size)
         moving = OverdampedAtoms(self.case, self.contact, pace.allowed)
-        start = self.start if start is None else start
-        return list(follow(moving, at_rest(start, 0.0, pace), self.load, pace))
+        return list(follow(moving, at_rest(self.start, 0.0, pace), self.load, pace))
 
-    def elastic(self, u):
-        return apply(self.block, u, True)
-
-    def energy(self, u, load):
-        interface = self.contact.interface.evaluate(u, np.empty_like(u))
-        return 0.5 * np.sum(u * self.elastic(u)) + interface + load * self.area * np.sum(u[2])
-
-    def slope(self, u):
-        force = np.empty_like(u)
-        self.contact.interface.evaluate(u, force)
-        slope = self.elastic(u) - force
-        slope[2] += self.load * self.area
-        return slope / self.area
+    def energy_and_slope(self, u, load):
+        force, elastic = np.empty_like(u), apply(self.contact.block, u, True)
+        energy = 0.5 * np.sum(u * elastic) + self.contact.interface.evaluate(u, force) + load * AREA * np.sum(u[2])
+        slope = elastic - force
+        slope[2] += load * AREA
+        return energy, slope / AREA
 
     def explicit(self, residual, every=10):
-        stiffest = self.block.coefficients[2].max() / self.area + 8 * self.case.law.equilibrium_stiffness
+        stiffest = self.contact.block.coefficients[2].max() / AREA + 8 * self.case.law.equilibrium_stiffness
         u, states = self.start, [self.start]
         while True:
             for _ in range(every):
-                slope = self.slope(u)
+                slope = self.energy_and_slope(u, self.load)[1]
                 u = u - 0.5 / stiffest * slope
             states.append(u)
-            if np.abs(slope).max() <= residual * CONTACT_MODULUS:
+            if np.abs(slope).max() <= residual * E_STAR:
                 return np.array(states), every * 0.5 / stiffest
 
 
 def off_path(states, path):
-    return max(np.sqrt(np.min(np.max((path - state) ** 2, axis=(1, 2, 3)))) for state in states) / LENGTH
-
-
-def rough(atoms, ratio, rms, load, seed=1):
-    return case_of((atoms, atoms), ratio, [load], surface={"rms_height": rms, "seed": seed, "cutoff_mode": 6})
+    return max(np.sqrt(np.min(np.max((path - state) ** 2, axis=(1, 2, 3)))) for state in states) / R0
 
 
 @pytest.fixture(scope="module")
 def landing():
-    return Motion(rough(16, 4, 3e-10, 5e8))
+    return Motion(case_of((16, 16), 4, [5e8], surface={"rms_height": 3e-10, "cutoff_mode": 6}))
 
 
 def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
@@ -91,7 +66,7 @@ def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
         assert found[-1].fate is Status.AT_REST
         # Lateral slides, the slowest of all, still go on where the explicit path ends.
         distances.append(off_path([each.state for each in found if each.found.residual > 5e-3], path))
-        np.testing.assert_allclose(found[-1].state[2], path[-1][2], rtol=0, atol=0.05 * LENGTH)
+        np.testing.assert_allclose(found[-1].state[2], path[-1][2], rtol=0, atol=0.05 * R0)
     moving = [each for each in found if each.found.residual > 5e-3]
     times = [interval * np.argmin(np.max((path - each.state) ** 2, axis=(1, 2, 3))) for each in moving]
     # Measured 2 % on the way and 9 % at its end.
@@ -104,53 +79,41 @@ def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
 
 
 def test_energy_never_rises_and_rest_is_a_minimum(landing):
-    found = landing.implicit(0.1, 1e-2)
-    before = landing.start
+    found, before = landing.implicit(0.1, 1e-2), landing.start
     for each in found:
-        energies = [landing.energy(u, each.load) for u in (before, each.state)]
+        energies = [landing.energy_and_slope(u, each.load)[0] for u in (before, each.state)]
         # The sum over 256 atoms of energies that cancel rounds at 1e-12 of them.
         assert energies[1] <= energies[0] + 1e-11 * abs(energies[0])
         before = each.state
-    lost = landing.energy(landing.start, landing.load) - landing.energy(before, landing.load)
-    assert lost > 0.1 * abs(landing.energy(before, landing.load))
-    assert np.abs(landing.slope(before)).max() < 1.5e-8 * CONTACT_MODULUS
-    assert found[-1].found.residual == pytest.approx(np.abs(landing.slope(before)).max() / CONTACT_MODULUS, abs=1e-10)
-
-
-FLOW = {
-    "surface": {"rms_height": "2 angstrom", "cutoff_mode": 4},
-    "interaction": {"well_depth_ratio": 4},
-    "atomistic": {"method": "overdamped", "temperature": 0},
-    "loading": {"path": ["1 GPa", "-1 GPa", "-10 GPa", "-1 GPa", "0.5 GPa"]},
-}
+    (first, _), (last, slope) = (landing.energy_and_slope(u, landing.load) for u in (landing.start, before))
+    assert first - last > 0.1 * abs(last)
+    assert np.abs(slope).max() < 1.5e-8 * E_STAR
+    assert found[-1].found.residual == pytest.approx(np.abs(slope).max() / E_STAR, abs=1e-10)
 
 
 def test_loop_of_contact_pull_off_and_new_contact(tmp_path):
     contact_study.run(changed(**FLOW), "atomistic", output=tmp_path / "md.nc")
-    groups = groups_of(tmp_path / "md.nc")
+    groups, touching = groups_of(tmp_path / "md.nc"), [0, 1, 4]
     root, series = groups["/"], groups[f"/{TRAJECTORY}"]
     np.testing.assert_array_equal(root.detached, [0, 0, 1, 1, 0])
     np.testing.assert_array_equal(root.converged, 1)
-    np.testing.assert_allclose(root.mean_pressure[[0, 1, 4]], [1e9, -1e9, 0.5e9], atol=2e-8 * CONTACT_MODULUS)
+    np.testing.assert_allclose(root.mean_pressure[touching], [1e9, -1e9, 0.5e9], atol=2e-8 * E_STAR)
     assert np.all(root.residual <= 1e-8)
     assert not [name for name in root if name.endswith("_standard_error")]
-    np.testing.assert_allclose(root.gap.mean(("y", "x"))[[0, 1, 4]] - LENGTH, root.mean_gap[[0, 1, 4]], rtol=1e-9)
+    np.testing.assert_allclose(root.gap.mean(("y", "x"))[touching] - R0, root.mean_gap[touching], rtol=1e-9)
     area = series.relative_contact_area.values
     lengths = np.sum(np.isfinite(area), axis=1)
     assert lengths[3] == 1
-    np.testing.assert_array_equal(lengths[[0, 1, 4]], root.iterations[[0, 1, 4]])
-    np.testing.assert_array_equal(area[[0, 1, 4], lengths[[0, 1, 4]] - 1], root.relative_contact_area[[0, 1, 4]])
-    case = make_study(changed(**FLOW)).cases[0]
-    pace = pace_of(case, realise(case).size)
-    time, load = (series[name].values[np.isfinite(area)] for name in ("overdamped_time", "overdamped_load"))
-    np.testing.assert_array_equal(root.overdamped_load[[0, 1, 3, 4]], root.applied_pressure[[0, 1, 3, 4]])
+    np.testing.assert_array_equal(lengths[touching], root.iterations[touching])
+    np.testing.assert_array_equal(area[touching, lengths[touching] - 1], root.relative_contact_area[touching])
     assert -10e9 < root.overdamped_load[2] < -1e9  # torn off on the way
-    taken, changes = np.diff(time[: lengths[0]]), np.diff(load[: lengths[0]])
-    assert np.all(taken > 0)
-    assert np.all(changes <= pace.rate * taken * (1 + 1e-9))
-    assert np.count_nonzero(np.isclose(changes, pace.rate * taken, rtol=1e-9)) > 5
-    assert np.all(np.diff(root.overdamped_time) >= 0)
-    assert root.overdamped_time[1] > root.overdamped_time[0] == time[lengths[0] - 1]
+    # Half the loads are on their way, at the rate of the pace.
+    pace = pace_of(make_study(changed(**FLOW)).cases[0], (62.4e-10, 62.4e-10))
+    time, load = (series[name].values[0, : lengths[0]] for name in ("overdamped_time", "overdamped_load"))
+    rates = np.diff(load) / np.diff(time) / pace.rate
+    assert np.all(rates <= 1 + 1e-9)
+    assert np.count_nonzero(rates > 1 - 1e-9) > 5
+    assert root.overdamped_time[1] > root.overdamped_time[0] == time[-1]
     assert np.all(root.force_evaluations[[0, 1, 2, 4]] > root.iterations[[0, 1, 2, 4]])
     quasi = {**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}
     still = contact_study.run(changed(**quasi), "atomistic")

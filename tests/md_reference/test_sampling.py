@@ -18,7 +18,7 @@ from md_reference.study.cold import OverdampedAtoms
 from md_reference.study.model import check
 from md_reference.thermal.hmc import ThermalSampler
 from md_reference.thermal.langevin import MolecularDynamics
-from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, SAMPLED, assert_equal_groups, changed, groups_of, moving
+from tests.md_reference.systems import E_STAR, FLOW, R0, SAMPLED, SMALL, assert_equal_groups, changed, groups_of, moving
 from tests.recording import bins_of_case, stopper
 
 
@@ -46,10 +46,10 @@ def test_every_mean_has_its_error_and_every_number_its_series(sampled):
             memory, told = root[name + AUTOCORRELATION_STATES], found.autocorrelation_time
             assert memory.values[step] == pytest.approx(told if found.resolved else np.nan, rel=1e-12, nan_ok=True)
     np.testing.assert_allclose(root.pressure.mean(("y", "x")), root.mean_pressure, rtol=1e-12)
-    np.testing.assert_allclose(root.gap.mean(("y", "x")) - LENGTH, root.mean_gap, rtol=1e-10)
+    np.testing.assert_allclose(root.gap.mean(("y", "x")) - R0, root.mean_gap, rtol=1e-10)
     # What is left of the balance of forces is an error of sampling.
     error = np.abs(root.mean_pressure - root.applied_pressure)
-    np.testing.assert_allclose(root.residual, error / CONTACT_MODULUS, rtol=1e-9)
+    np.testing.assert_allclose(root.residual, error / E_STAR, rtol=1e-9)
     assert np.all(error < 5 * root["mean_pressure" + STANDARD_ERROR])
     assert np.all((root.acceptance_rate > 0.4) & (root.acceptance_rate < 1))
     assert np.all(root.converged == 1)
@@ -57,26 +57,21 @@ def test_every_mean_has_its_error_and_every_number_its_series(sampled):
 
 def test_warm_atoms_differ_from_cold_ones_and_start_from_them(sampled):
     warm = groups_of(sampled)
-    cold = contact_study.run(changed(atomistic={"method": "quasi_static", "temperature": 0}), "atomistic")
+    cold = contact_study.run(changed(atomistic=COLD), "atomistic")
     assert not [name for name in cold if name.endswith(STANDARD_ERROR)]
     loss = (cold.relative_contact_area - warm["/"].relative_contact_area) / cold.relative_contact_area
     assert np.all((loss > 0.01) & (loss < 0.5))
     again = contact_study.run(changed(atomistic={"temperature": 1e-3}), "atomistic")
     assert np.all(np.abs(again.relative_contact_area - cold.relative_contact_area) < 2 / 24**2)
-    np.testing.assert_allclose(again.mean_separation, cold.mean_separation, rtol=0, atol=1e-4 * LENGTH)
+    np.testing.assert_allclose(again.mean_separation, cold.mean_separation, rtol=0, atol=1e-4 * R0)
 
 
-FLOW = {
-    "surface": {"rms_height": "2 angstrom", "cutoff_mode": 4},
-    "interaction": {"well_depth_ratio": 4},
-    "atomistic": {"method": "overdamped", "temperature": 0},
-    "loading": {"path": ["1 GPa", "-1 GPa", "-10 GPa", "-1 GPa", "0.5 GPa"]},
-}
+COLD = {"method": "quasi_static", "temperature": 0}
 WARM = {
     "atomistic": {"temperature": 300.0},
     "dynamics": {"duration": "1 ps", "frames": 20},
     "loading": {"path": ["1 GPa", "2 GPa"]},
-    "surface": {"size": "20.8 angstrom", "shape": [8, 8]},
+    "surface": SMALL,
 }
 
 
@@ -109,24 +104,22 @@ def test_run_stopped_anywhere_goes_on_to_the_same_bits(study, owner, method, sto
 def test_the_time_of_a_point_is_that_of_all_its_states(monkeypatch):
     add = Averages.add
     monkeypatch.setattr(Averages, "add", lambda averages, state: time.sleep(0.05) or add(averages, state))
-    table = changed(sampling={"trajectories": 10, "equilibration": 10}, surface=WARM["surface"])
+    table = changed(sampling={"trajectories": 10, "equilibration": 10}, surface=SMALL)
     assert contact_study.run(table, "atomistic").wall_time.min() > 0.5
 
 
-def test_gap_control_holds_the_mean_and_has_no_load_to_err_from(sampled):
+def test_gap_control_holds_the_mean_and_has_no_load_to_err_from():
     dataset = contact_study.run(changed(loading={"control": "gap", "path": ["0.5 angstrom"]}), "atomistic")
-    np.testing.assert_allclose(dataset.mean_separation, 0.5e-10, rtol=0, atol=1e-9 * LENGTH)
+    np.testing.assert_allclose(dataset.mean_separation, 0.5e-10, rtol=0, atol=1e-9 * R0)
     assert np.all(np.isnan(dataset.residual))
     assert (dataset.converged.item(), str(dataset.message.values[0])) == (1, "")
     assert np.all(dataset["mean_pressure" + STANDARD_ERROR] > 0)
 
 
 def test_a_block_that_thermal_motion_tears_off_is_detached():
-    path = {"path": ["1 GPa", "-2.3 GPa", "-2 GPa", "-3 GPa"]}
-    warm = contact_study.run(
-        changed(loading=path, atomistic={"temperature": 600.0}, sampling={"trajectories": 52}), "atomistic"
-    )
-    cold = contact_study.run(changed(loading=path, atomistic={"method": "quasi_static", "temperature": 0}), "atomistic")
+    path, hot = {"path": ["1 GPa", "-2.3 GPa", "-2 GPa", "-3 GPa"]}, {"temperature": 600.0}
+    warm = contact_study.run(changed(loading=path, atomistic=hot, sampling={"trajectories": 52}), "atomistic")
+    cold = contact_study.run(changed(loading=path, atomistic=COLD), "atomistic")
     assert cold.detached.values.tolist() == [0, 0, 0, 1]
     assert warm.detached.values.tolist() == [0, 1, 0, 1]
     assert warm.relative_contact_area[1] == 0
@@ -137,15 +130,13 @@ def test_a_block_that_thermal_motion_tears_off_is_detached():
 
 @pytest.mark.filterwarnings("ignore:.* did not converge")
 def test_states_that_do_not_carry_the_load_did_not_converge(monkeypatch):
-    wrong = lambda block, interface, modulus, temperature, pressure, fixed: ThermalSampler(  # noqa: E731
-        block, interface, modulus, temperature, 1.2 * pressure, fixed
-    )
+    wrong = lambda *given: ThermalSampler(*given[:4], 1.2 * given[4], *given[5:])  # noqa: E731
     monkeypatch.setattr(sampling, "ThermalSampler", wrong)
     dataset = contact_study.run(changed(loading={"path": ["3 GPa"]}), "atomistic")
     said = str(dataset.message.values[0])
     assert dataset.converged.item() == 0
     assert re.match("the interface carried 3\\.[4-8].* not the 3e\\+09 Pa applied: raise sampling.trajectories", said)
-    assert dataset.residual.item() == pytest.approx(0.6e9 / CONTACT_MODULUS, rel=0.3)
+    assert dataset.residual.item() == pytest.approx(0.6e9 / E_STAR, rel=0.3)
 
 
 @pytest.mark.parametrize(

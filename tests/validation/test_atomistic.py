@@ -5,7 +5,7 @@ import pytest
 
 from contact_study.study.case import realise
 from md_reference.study.model import solve_path
-from tests.md_reference.systems import LENGTH, case_of
+from tests.md_reference.systems import R0, case_of
 from tests.recording import recorded_path
 
 pytestmark = pytest.mark.validation
@@ -20,13 +20,13 @@ def test_own_path_and_predicted_starts_end_in_the_same_states(ratio):
     surface = realise(case)
     own = recorded_path(case, solve_path(case, surface))
     # What a continuum does: the same gap at the lateral rest positions, the attraction outside contact a little off.
-    gaps = [s.fields["gap"] * (1 + 0.05 * (s.fields["gap"] > 1.2 * LENGTH)) for s in own]
+    gaps = [s.fields["gap"] * (1 + 0.05 * (s.fields["gap"] > 1.2 * R0)) for s in own]
     led = recorded_path(case, solve_path(case, surface, predictor=lambda number: gaps[number]))
     for a, b in zip(own, led, strict=True):
         assert a.values["converged"]
         assert b.values["converged"]
         assert b.values["relative_contact_area"] == pytest.approx(a.values["relative_contact_area"], abs=2e-4)
-        assert b.values["mean_gap"] == pytest.approx(a.values["mean_gap"], abs=1e-3 * LENGTH)
+        assert b.values["mean_gap"] == pytest.approx(a.values["mean_gap"], abs=1e-3 * R0)
     evaluations = [sum(s.values["force_evaluations"] for s in path) for path in (own, led)]
     assert evaluations[1] < evaluations[0]
 
