@@ -18,7 +18,7 @@ import bem_adhesion.study.model
 import md_reference.study.model
 import theory.study.model
 from contact_study import plots
-from contact_study.command_line import terminal
+from contact_study.command_line import frame
 from contact_study.command_line.program import VERBS
 from contact_study.command_line.verbs import check
 from contact_study.command_line.verbs.plot import PICTURES
@@ -335,15 +335,16 @@ def test_check_says_what_the_datasets_then_have(folder, verb):
 @pytest.mark.parametrize(
     ("meaning", "values"),
     [
-        (check._zone_meaning, {4.0: "resolves", 3.9: "trapped on unloading", 0.9: "factor of two"}),
-        (check._theta_meaning, {1.1: "stick completely", 0.9: "partial"}),
-        (check._tabor_meaning, {3.1: "will differ", 2.9: "may differ", 0.09: "agree"}),
-        (check._bare_meaning, {19.0: "light contact, in", 21.0: "beyond"}),
+        (0, {4.0: "resolves", 3.9: "trapped on unloading", 0.9: "factor of two"}),
+        (1, {1.1: "stick completely", 0.9: "partial"}),
+        (2, {3.1: "will differ", 2.9: "may differ", 0.09: "agree"}),
+        (3, {19.0: "light contact, in", 21.0: "beyond"}),
     ],
 )
 def test_limits_are_those_of_the_page_on_choosing(meaning, values):
     for value, words in values.items():
-        assert words in meaning(value)
+        ((_, _, said),) = check._expected([{meaning: value}])
+        assert words in said
 
 
 def test_check_refuses_what_a_run_refuses(verb):
@@ -488,7 +489,7 @@ def test_colours_are_for_terminals(verb, monkeypatch):
     for variables, coloured in (({}, True), ({"NO_COLOR": "1"}, False)):
         stream = io.StringIO()
         made = console(file=stream, width=100, force_terminal=True, color_system="standard", _environ=variables)
-        monkeypatch.setattr(terminal, "_console", lambda made=made: made)
+        monkeypatch.setattr(frame, "_console", lambda made=made: made)
         _, beside, _ = verb("keys", "surface")
         assert ("\x1b[36m" in stream.getvalue()) == coloured
         words = re.sub(r"\x1b\[[\d;]*m", "", stream.getvalue() + beside).split()

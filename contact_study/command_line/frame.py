@@ -1,4 +1,4 @@
-"""The frame of every command: its parser and help, keys of a study as options, one line for a mistake, exit status."""
+"""The frame of every command: parser and help, keys as options, tables, one line for a mistake, exit status."""
 
 import argparse
 import io
@@ -6,6 +6,7 @@ import re
 import shutil
 import signal
 import sys
+import textwrap
 import tomllib
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -17,13 +18,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MODELS = {"continuum": "continuum", "atoms": "atomistic", "theory": "theory"}  # by the words of --model
-STATUS = {
-    DONE: "0 done",
-    WRONG_INPUT: "1 invalid input",
-    NOT_CONVERGED: "2 some steps not converged",
-    INTERRUPTED: "130 interrupted",
-}
 _KEY = re.compile(r"--(?P<key>[a-z_]+\.\w+)(?:=(?P<value>.*))?", re.DOTALL)
+_WIDTH = 100  # columns of a help, and of tables where there is no terminal
 
 
 class Parser(argparse.ArgumentParser):
@@ -37,7 +33,7 @@ class Help(argparse.RawDescriptionHelpFormatter):
     """Help of at most 100 columns, examples as they are written."""
 
     def __init__(self, prog: str):
-        super().__init__(prog, max_help_position=30, width=min(100, shutil.get_terminal_size((100, 24)).columns))
+        super().__init__(prog, max_help_position=30, width=min(_WIDTH, shutil.get_terminal_size((_WIDTH, 24)).columns))
 
     def _format_action_invocation(self, action: argparse.Action) -> str:
         if not action.option_strings or action.nargs == 0:
@@ -47,12 +43,16 @@ class Help(argparse.RawDescriptionHelpFormatter):
 
 def epilog(*examples: str, solves: bool = False) -> str:
     """Return the end of a help: examples and exit status; ``solves``: of steps that may not converge."""
-    statuses = [words for status, words in STATUS.items() if solves or status != NOT_CONVERGED]
-    return "\n".join(["examples:", *(f"  {line}" for line in examples), "", f"exit status: {'   '.join(statuses)}"])
+    converged = "   2 some steps not converged" * solves
+    statuses = f"exit status: 0 done   1 invalid input{converged}   130 interrupted"
+    return "\n".join(["examples:", *(f"  {line}" for line in examples), "", statuses])
 
 
 def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
-    """Part options of the form ``--section.key VALUE`` from the others; a value may begin with a minus sign."""
+    """Part options of the form ``--section.key VALUE`` from the others; InputError for a key that no study has.
+
+    A value is read as TOML writes it, anything else is a string; it may begin with a minus sign.
+    """
     others: list[str] = []
     keys: dict[str, Any] = {}
     left = iter(arguments)
@@ -64,20 +64,16 @@ def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
         value = found["value"] if found["value"] is not None else next(left, "--")
         if value.startswith("--"):
             raise InputError(f"--{found['key']}: expected a value")
-        keys[found["key"]] = _toml_value(value)
+        try:
+            keys[found["key"]] = tomllib.loads(f"value = {value}")["value"]
+        except ValueError:
+            keys[found["key"]] = value
+    if keys:
+        _check_keys(keys)
     return others, keys
 
 
-def _toml_value(text: str) -> Any:
-    """Read a value as TOML writes it; anything else is a string."""
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except ValueError:
-        return text
-
-
-def check_keys(keys: Mapping[str, Any]) -> None:
-    """Raise InputError for a key that no study has, with the nearest that one has."""
+def _check_keys(keys: Mapping[str, Any]) -> None:
     from contact_study.inputs import plugins
     from contact_study.study.schema.dotted_keys import all_keys
     from contact_study.study.schema.keys import replacement, suggestion
@@ -136,3 +132,50 @@ def report_convergence(command: str, groups: "Mapping[str, xr.Dataset]") -> int:
     for line in lines:
         print(f"{command}: {line}", file=sys.stderr)
     return NOT_CONVERGED if lines else DONE
+
+
+def print_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table; the last column is folded where lines are too long."""
+    console = _console()
+    if console is not None:
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 3, 0, 0))
+        for number, name in enumerate(head):
+            last = number == len(head) - 1
+            table.add_column(name, style="cyan" if number == 0 else "", no_wrap=not last, overflow="fold")
+        for row in rows:
+            table.add_row(*map(Text, row))
+        console.print(table)
+        return
+    widths = [max(len(row[column]) for row in (head, *rows)) for column in range(len(head) - 1)]
+    before = sum(width + 3 for width in widths)
+    for row in (head, *rows):
+        start = "".join(f"{cell:{width + 3}}" for cell, width in zip(row, widths, strict=False))
+        folded = textwrap.wrap(row[-1], max(30, _columns() - before)) or [""]
+        print("\n".join((start + folded[0], *(" " * before + line for line in folded[1:]))).rstrip())
+
+
+def say(text: str, style: str = "") -> None:
+    """Print a line, in a style of rich on a terminal."""
+    console = _console() if style else None
+    if console is None:
+        print(text)
+    else:
+        console.print(text, style=style, markup=False, highlight=False, soft_wrap=True)
+
+
+def _console() -> Any:
+    """Console of rich; None without it, or if nobody sees colours."""
+    if not sys.stdout.isatty():
+        return None
+    try:
+        from rich.console import Console
+    except ImportError:  # an extra
+        return None
+    return Console(width=min(_columns(), 140), highlight=False)
+
+
+def _columns() -> int:
+    return shutil.get_terminal_size((_WIDTH, 24)).columns if sys.stdout.isatty() else _WIDTH

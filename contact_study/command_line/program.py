@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contact_study.command_line.frame import Help, Parser, check_keys, epilog, guarded, take_keys
+from contact_study.command_line.frame import Help, Parser, epilog, guarded, take_keys
 from contact_study.inputs.errors import DONE, WRONG_INPUT, InputError
 from contact_study.version import __version__
 
@@ -39,12 +39,6 @@ _OLD = {
     "contact-merge": ["merge"],
 }
 _NOTHING = "nothing was written"
-_EXAMPLES = (
-    "bem-adhesion init first",
-    "bem-adhesion check first.toml",
-    "bem-adhesion run first.toml -o bem.nc",
-    "bem-adhesion compare bem.nc -o comparison",
-)
 
 
 def main(name: str, arguments: Sequence[str] | None = None, model: "Model | None" = None) -> int:
@@ -66,14 +60,15 @@ def main(name: str, arguments: Sequence[str] | None = None, model: "Model | None
     def body() -> int:
         verb, *others = _in_verbs(name, typed)
         module = importlib.import_module(f"contact_study.command_line.verbs.{verb}")
-        if own_process:
-            _hide_dask(others)
+        asked = "dask" in others or "--engine=dask" in others
+        if own_process and not asked and "xarray" not in sys.modules:  # which has looked for it by then
+            # Keep pint and xarray from importing Dask, half a second.
+            sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
         parser = _parser(module, verb, f"{PROGRAM} {verb}" if name == PROGRAM else name)
         others, keys = take_keys(others) if hasattr(module, "KEYS") else (others, {})
-        if keys:
-            check_keys(keys)
+        _check_options(others, parser)
         try:
-            given = parser.parse_args(_known(others, parser))
+            given = parser.parse_args(others)
         except SystemExit:  # after --help
             return DONE
         given.command, given.words, given.arguments = name, f"{name} {shlex.join(typed)}", typed
@@ -90,7 +85,9 @@ def _in_verbs(name: str, typed: list[str]) -> list[str]:
         return typed
     plain = name == PROGRAM and not first.startswith("-")
     if plain and not (Path(first).suffix or os.sep in first or Path(first).exists()):
-        raise InputError(f"unknown command {first}{_nearest(first, list(VERBS))}; see {PROGRAM} --help")
+        from contact_study.study.schema.keys import suggestion
+
+        raise InputError(f"unknown command {first}{suggestion(first, VERBS)}; see {PROGRAM} --help")
     verb = _OLD.get(name, ["run"])
     if verb[0] == "run":
         for flag, instead in (("--inspect", "inspect"), ("--example", "init")):
@@ -98,13 +95,6 @@ def _in_verbs(name: str, typed: list[str]) -> list[str]:
                 found = [one.partition("=")[2] if one.startswith(f"{flag}=") else one for one in typed if one != flag]
                 return [instead, *found, *(["-o", "-"] if instead == "init" else [])]
     return [*verb, *typed]
-
-
-def _hide_dask(arguments: Sequence[str]) -> None:
-    """Keep pint and xarray from importing Dask, half a second, unless the command uses it."""
-    asked = "dask" in arguments or "--engine=dask" in arguments
-    if not asked and "xarray" not in sys.modules:  # which has looked for it by then
-        sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
 
 
 def _parser(module: Any, verb: str, prog: str) -> Parser:
@@ -122,35 +112,27 @@ def _parser(module: Any, verb: str, prog: str) -> Parser:
     return parser
 
 
-def _known(arguments: list[str], parser: Parser) -> list[str]:
+def _check_options(arguments: Sequence[str], parser: Parser) -> None:
     """Raise InputError for an option that a verb does not have, before argparse misses others."""
     options = [option for action in parser._actions for option in action.option_strings]
     for argument in arguments:
         if argument.startswith("--") and argument.partition("=")[0] not in options:
-            meant = _nearest(argument.partition("=")[0], options)
+            from contact_study.study.schema.keys import suggestion
+
+            meant = suggestion(argument.partition("=")[0], options)
             raise InputError(f"unknown option {argument}{meant}; see {parser.prog} --help")
-    return arguments
-
-
-def _nearest(given: str, known: Sequence[str]) -> str:
-    from contact_study.study.schema.keys import suggestion
-
-    return suggestion(given, known)
 
 
 def _overview() -> str:
+    examples = ("init first", "check first.toml", "run first.toml -o bem.nc", "compare bem.nc -o comparison")
     return "\n".join(
         [
-            f"usage: {PROGRAM} COMMAND ...",
-            "",
-            "Adhesive contact of rough solids: boundary elements, atoms and theory.",
-            "",
+            f"usage: {PROGRAM} COMMAND ...\n",
+            "Adhesive contact of rough solids: boundary elements, atoms and theory.\n",
             "commands:",
             *(f"  {verb:9} {words}" for verb, words in VERBS.items()),
-            "",
-            f"`{PROGRAM} COMMAND --help` explains one. `{PROGRAM} STUDY.toml -o OUT.nc` is short for run.",
-            "",
-            epilog(*_EXAMPLES, solves=True),
+            f"\n`{PROGRAM} COMMAND --help` explains one. `{PROGRAM} STUDY.toml -o OUT.nc` is short for run.\n",
+            epilog(*(f"{PROGRAM} {words}" for words in examples), solves=True),
         ]
     )
 

@@ -16,15 +16,9 @@ _FIELDS = ("gap", "atom_height")  # where a state is missing or has detached the
 
 def add_selection(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    add = parser.add_argument
-    add(
-        "--case",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="value of a swept key, or theory=NAME",
-    )
-    add("--step", type=int, metavar="N", help="load step, from 0 on; -1 is the last")
+    words = "value of a swept key, or theory=NAME"
+    parser.add_argument("--case", action="append", default=[], metavar="KEY=VALUE", help=words)
+    parser.add_argument("--step", type=int, metavar="N", help="load step, from 0 on; -1 is the last")
 
 
 def opened(path: Path) -> "xr.Dataset":
@@ -43,14 +37,11 @@ def opened(path: Path) -> "xr.Dataset":
 
 def case_dims(dataset: "xr.Dataset") -> list[str]:
     """Return the dimensions that a case has a place on: swept keys and theories."""
-    dims = {str(dim) for name in dataset.data_vars for dim in dataset[name].dims if "step" in dataset[name].dims}
-    return [dim for dim in map(str, dataset.dims) if dim in dims and _is_of_cases(dataset, dim)]
-
-
-def _is_of_cases(dataset: "xr.Dataset", dim: str) -> bool:
     from contact_study.results.schema import COORDINATES
 
-    return dim == "theory" or (dim in dataset.coords and dim not in COORDINATES)
+    dims = {str(dim) for name in dataset.data_vars for dim in dataset[name].dims if "step" in dataset[name].dims}
+    swept = {dim for dim in dims if dim in dataset.coords and dim not in COORDINATES}
+    return [dim for dim in map(str, dataset.dims) if dim in swept or (dim in dims and dim == "theory")]
 
 
 def selected(dataset: "xr.Dataset", cases: Sequence[str], step: int | None) -> "xr.Dataset":
@@ -62,7 +53,8 @@ def selected(dataset: "xr.Dataset", cases: Sequence[str], step: int | None) -> "
             key, _, value = (words.strip() for words in part.partition("="))
             dims = case_dims(dataset)
             if key not in dims:
-                raise InputError(f"--case {part}: no swept key{suggestion(key, dims)}; there is {_words(dims)}")
+                known = ", ".join(dims) or "one case only"
+                raise InputError(f"--case {part}: no swept key{suggestion(key, dims)}; there is {known}")
             places = [n for n, one in enumerate(dataset[key].values) if _same(one, value, dataset[key])]
             if not places:
                 raise InputError(f"--case {part}: the dataset has {key} {_values(dataset[key])}")
@@ -122,7 +114,3 @@ def _same(value: Any, asked: str, coordinate: "xr.DataArray") -> bool:
 
 def _values(coordinate: "xr.DataArray") -> str:
     return ", ".join(one if isinstance(one, str) else f"{one:.6g}" for one in coordinate.values)
-
-
-def _words(dims: Sequence[str]) -> str:
-    return ", ".join(dims) or "one case only"

@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,8 +20,8 @@ from contact_study.physics.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range
 from contact_study.study import sweep
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, bare_numbers, is_sweep, replace_keys
-from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH
-from contact_study.study.schema.keys import TaggedUnion, bind, default_of, keys_of
+from contact_study.study.schema.interaction import AUTO, LENGTH, InteractionSection
+from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
 from contact_study.study.schema.surface import AbsentSurface, SurfaceSection
 from contact_study.study.tables import TABLE, with_columns, with_spectrum
 
@@ -124,17 +124,18 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     """
     plugins.load()
     _check_structure(table)
-    table = with_spectrum(table, Path(directory))
+    folder = Path(directory)
+    table = with_spectrum(table, folder)
     for section, declared in SECTIONS.items():  # what a study holds decides its numbers, not a file
         if isinstance(declared, TaggedUnion) and section in table:
-            columns = getattr(declared.section_of(table[section]), "columns", None)
-            if columns:
-                table[section] = with_columns(table[section], section, columns, Path(directory))
+            columns = getattr(declared.section_of(table[section]), "columns", {})
+            table[section] = with_columns(table[section], section, columns, folder)
     swept = table.get("sweep", {})
     points = list(sweep.points_of(swept))
     merged = sweep.sections_at(table, [point for point, _ in points])
     scales: dict[SurfaceSection, SurfaceScales] = {}
-    cases = tuple(_case(one, *point, Path(directory), scales) for one, point in zip(merged, points, strict=True))
+    choices: dict[str, None] = {}
+    cases = tuple(_case(one, *point, folder, scales, choices) for one, point in zip(merged, points, strict=True))
     longest = max(len(case.path) for case in cases)
     for number in cases[0].output.field_steps or ():
         if not -longest <= number < longest:
@@ -143,17 +144,15 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
                 "-1 for the last"
             )
     keys = {dotted.rpartition(".")[2]: sweep.swept_key(dotted, written, cases) for dotted, written in swept.items()}
-    notes, choices = sweep.without_effect(table, merged), _describe_choices(merged, cases)
-    return Study(table, Path(directory), cases, keys, notes, choices)
+    return Study(table, folder, cases, keys, sweep.without_effect(table, merged), tuple(choices))
 
 
 def _check_structure(table: dict[str, Any]) -> None:
     """Sections, sweep and overrides are what they should be, and every value alone can be read."""
     for section, content in table.items():
-        if section in SECTIONS or section == "sweep":
-            if not isinstance(content, dict):
-                raise InputError(f"{section} = {content!r}: expected a section, [{section}]")
-        elif section != "override":
+        if (section in SECTIONS or section == "sweep") and not isinstance(content, dict):
+            raise InputError(f"{section} = {content!r}: expected a section, [{section}]")
+        if section not in (*SECTIONS, "sweep", "override"):
             raise InputError(f"unknown section [{section}]; known: {', '.join(SECTIONS)}, sweep, override")
     for section, declared in SECTIONS.items():
         for name, value in table.get(section, {}).items() if section not in WHOLE_STUDY else ():
@@ -172,75 +171,52 @@ def _case(
     index: tuple[int, ...],
     directory: Path,
     scales: dict[SurfaceSection, SurfaceScales],
+    choices: dict[str, None],
 ) -> Case:
-    """Bind the sections of a point; ``scales`` collects those of the surfaces that a key is chosen by."""
-
-    def scales_of(surface: SurfaceSection) -> SurfaceScales:
-        return scales.setdefault(surface, scales.get(surface) or surface.scales(directory))
-
+    """Bind the sections of a point; collects the scales of surfaces that choose a key, and the choices in words."""
     bound: dict[str, Any] = {}
-    theory = bind(SECTIONS["theory"], merged["theory"], "theory")
-    for name, declared in SECTIONS.items():
-        asked = merged[name]
-        if name == "interaction":
-            asked = _with_length(asked, bound, lambda: scales_of(bound["surface"]))
-        if name == "surface" and not asked and theory.spectra == (TABLE,):
-            bound[name] = AbsentSurface(wavevectors=theory.wavevectors, density=theory.density)
+    for name in sorted(SECTIONS, key=lambda name: name != "theory"):  # which says whether there must be a surface
+        if name == "surface" and not merged[name] and bound["theory"].spectra == (TABLE,):
+            bound[name] = AbsentSurface(wavevectors=bound["theory"].wavevectors, density=bound["theory"].density)
         else:
-            bound[name] = theory if name == "theory" else bind(declared, asked, name)
+            bound[name] = bind(SECTIONS[name], merged[name], name)
+    surface = bound["surface"]
+    if bound["interaction"].length == AUTO:
+        solid = bound["elasticity"].solid(bound["material"])
+        scales[surface] = scales.get(surface) or surface.scales(directory)
+        bound["interaction"], words = _with_length(bound["interaction"], scales[surface], solid.contact_modulus)
+        choices[words] = None
     if bound["loading"].has_forces:
-        cell = bound["surface"].cell(directory)
+        cell = surface.cell(directory)
         if cell is None:
             raise InputError("loading.path: forces act on a cell, which needs surface.size; give pressures")
         bound["loading"] = bound["loading"].spread(math.prod(cell))
     case = Case(**bound, coordinates=sweep.coordinates_of(point), index=index, directory=directory)
-    if case.surface in scales:
-        case.__dict__["scales"] = scales[case.surface]
+    if surface in scales:
+        case.__dict__["scales"] = scales[surface]
     return case
 
 
 def _with_length(
-    interaction: Mapping[str, Any], bound: Mapping[str, Any], scales: Callable[[], SurfaceScales]
-) -> dict[str, Any]:
-    """Replace ``length = "auto"`` by the longest that leaves contacts JKR-like; ``bound`` has the other sections."""
-    given = dict(interaction)
-    if given.get("length") != AUTO:
-        return given
-    law = LAWS.get(str(INTERACTIONS.kind_of(given)))
-    if law is not None and not law.attracts:
-        raise InputError(f'{LENGTH} = "{AUTO}": law = "{INTERACTIONS.kind_of(given)}" does not attract; leave it out')
-    if "work_of_adhesion" not in given:
+    given: InteractionSection, scales: SurfaceScales, contact_modulus: float
+) -> tuple[InteractionSection, str]:
+    """Replace ``length = "auto"`` by the longest that leaves contacts JKR-like, and say which."""
+    if not LAWS[given.law].attracts:
+        raise InputError(f'{LENGTH} = "{AUTO}": law = "{given.law}" does not attract; leave it out')
+    if given.work_of_adhesion is None:
         raise InputError(
             f'{LENGTH} = "{AUTO}": needs interaction.work_of_adhesion, which pairs of atoms would make of it'
         )
-    work, ratio = (
-        keys_of(INTERACTIONS)[name].read(given.get(name, default_of(INTERACTIONS, name)), f"interaction.{name}")
-        for name in ("work_of_adhesion", "well_depth_ratio")
-    )
-    surface = scales()
-    solid = bound["elasticity"].solid(bound["material"])
+    about = contact_modulus, given.work_of_adhesion * given.well_depth_ratio
     try:
-        given["length"] = longest_range(surface.rms_curvature, surface.rms_height, solid.contact_modulus, work * ratio)
+        longest = longest_range(scales.rms_curvature, scales.rms_height, *about)
     except ValueError as error:
         raise InputError(f'{LENGTH} = "{AUTO}": {error}; give the length of the interaction') from None
-    return given
-
-
-def _describe_choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple[str, ...]:
-    """Describe the values that were chosen, each once, from the tables and cases of all points of a sweep."""
-    lines = []
-    for table, case in zip(tables, cases, strict=True):
-        if table["interaction"].get("length") == AUTO:
-            scales = case.scales
-            about = case.solid.contact_modulus, case.work_of_adhesion, case.law.length
-            tabor = tabor_parameter(1 / scales.rms_curvature, *about)
-            why = (
-                f"the longest of a Tabor parameter above {JKR_LIKE:g}"
-                if tabor / JKR_LIKE * case.law.length < SHARE_OF_HEIGHT * scales.rms_height
-                else "a tenth of the rms height"
-            )
-            lines.append(
-                f'range of adhesion ({LENGTH} = "{AUTO}"): {length(case.law.length)}, {why}; Tabor parameter '
-                f"{tabor:.2g}: JKR-like"
-            )
-    return tuple(dict.fromkeys(lines))
+    tabor = tabor_parameter(1 / scales.rms_curvature, *about, longest)
+    why = (
+        f"the longest of a Tabor parameter above {JKR_LIKE:g}"
+        if tabor / JKR_LIKE * longest < SHARE_OF_HEIGHT * scales.rms_height
+        else "a tenth of the rms height"
+    )
+    words = f'range of adhesion ({LENGTH} = "{AUTO}"): {length(longest)}, {why}; Tabor parameter {tabor:.2g}: JKR-like'
+    return replace(given, length=longest), words

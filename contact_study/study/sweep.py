@@ -77,10 +77,13 @@ def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list
             if _matches(one, item["when"]):
                 _put(one, {dotted: value for dotted, value in item.items() if dotted != "when"})
         merged.append(one)
-    for section, declared in SECTIONS.items():
-        if isinstance(declared, TaggedUnion):
-            for one, own in zip(merged, declared.without_others([one[section] for one in merged]), strict=True):
-                one[section] = own
+    for section, kinds in SECTIONS.items():
+        if isinstance(kinds, TaggedUnion):
+            present = [kind for one in merged if (kind := kinds.section_of(one[section])) is not None]
+            used = {name for kind in set(present) for name in keys_of(kind)}
+            for one in merged:  # what no kind of them has stays, to be refused
+                other = [name for name in one[section] if name in used and not kinds.has(one[section], name)]
+                one[section] = {name: value for name, value in one[section].items() if name not in other}
     return merged
 
 

@@ -17,10 +17,8 @@ from contact_study.physics.roughness.spectrum import TabulatedSpectrum
 _SHOWN = 40
 
 FILE, TABLE = "file", "table"
-_KEY = "spectrum_path"
-_UNIT_KEYS = ("wavevector_unit", "density_unit")
-_SI = ("m^-1", "m^4")
-_NAMES = ("wavevector", "power")
+_KEY, _UNIT_KEYS = "spectrum_path", ("wavevector_unit", "density_unit")
+_SI, _NAMES = ("m^-1", "m^4"), ("wavevector", "power")
 
 _OWN = "power_spectrum"  # the spectrum of a surface in this project's own datasets
 _MOST = 20_000  # more rows than any average over directions has; a study holds them all
@@ -58,19 +56,17 @@ def _text_of(path: Path, name: str) -> str:
         raise InputError(f"{name}: {path} cannot be read ({reason})") from None
 
 
-def with_columns(
-    table: Mapping[str, Any], section: str, columns: Mapping[str, tuple[str, str, str]], directory: Path
-) -> dict[str, Any]:
+def with_columns(table: Mapping[str, Any], section: str, columns: Mapping[str, str], directory: Path) -> dict[str, Any]:
     """Replace the key ``path`` of a section by the columns of the file that it names: a study holds all its numbers.
 
-    ``columns`` gives for each column's key the key of its unit, the default unit and the SI unit.
+    ``columns`` gives the SI unit of each column's key, which its file has unless the key of its unit says another.
     """
-    if not isinstance(table.get("path"), str):
+    if not columns or not isinstance(table.get("path"), str):
         return dict(table)
     beside = [name for name in columns if name in table]
     if beside:
         raise InputError(f"{section}.path and {section}.{beside[0]}: give the file or its numbers, not both")
-    path, name, read = directory / table["path"], f"{section}.path", []
+    path, name = directory / table["path"], f"{section}.path"
     lines = [(number, line.split("#")[0]) for number, line in enumerate(_text_of(path, name).splitlines(), 1)]
     rows = [(number, line) for number, line in lines if line.strip()]
     if not rows:
@@ -79,16 +75,16 @@ def with_columns(
     if numbers.shape[1] != len(columns) or not np.all(np.isfinite(numbers)):
         expected = f"expected {len(columns)} columns of finite numbers"
         raise InputError(f"{name}: {path} holds a table of shape {numbers.shape}; {expected}")
-    for column, (key, default, si) in zip(numbers.T, columns.values(), strict=True):
-        unit = str(table.get(key, default))
+    kept = {name: value for name, value in table.items() if name not in ("path", *map("{}_unit".format, columns))}
+    for values, (column, si) in zip(numbers.T, columns.items(), strict=True):
+        key = f"{column}_unit"
+        unit = str(table.get(key, si))
         try:
-            size = units.quantity(f"1 {unit}", si, f"{section}.{key}")
+            size = units.quantity(f"1 {unit}", si, key)
         except InputError:
             raise InputError(f"{section}.{key} = {unit!r}: is no unit that can be converted to {si}") from None
-        read.append([float(value) * size for value in column])
-    left_behind = {"path", *(key for key, _, _ in columns.values())}
-    kept = {name: value for name, value in table.items() if name not in left_behind}
-    return {**kept, **dict(zip(columns, read, strict=True))}
+        kept[column] = [float(value) * size for value in values]
+    return kept
 
 
 def read_spectrum(
@@ -132,16 +128,18 @@ def with_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
     if beside:
         raise InputError(f"theory.{_KEY} and theory.{beside[0]}: give the file or its numbers, not both")
     swept = table.get("sweep", {})
-    if FILE not in (*_words(section.get("spectrum")), *_words(swept.get("theory.spectrum"))):
+    asked = [holder[name] for holder, name in ((section, "spectrum"), (swept, "theory.spectrum")) if name in holder]
+    if not any(FILE in _words(one) for one in asked):
         raise InputError(f'theory.{_KEY} is given, but theory.spectrum does not name "{FILE}"')
-    given = [section.get(name) for name in _UNIT_KEYS]
-    q, density = _columns(directory / section[_KEY], f"theory.{_KEY}", given)
+    q, density = _columns(directory / section[_KEY], f"theory.{_KEY}", [section.get(name) for name in _UNIT_KEYS])
     kept = {name: value for name, value in section.items() if name not in (_KEY, *_UNIT_KEYS)}
-    if "spectrum" in kept:
-        kept["spectrum"] = _renamed(kept["spectrum"])
     changed = {**table, "theory": {**kept, "wavevectors": q.tolist(), "density": density.tolist()}}
-    if "theory.spectrum" in swept:
-        changed["sweep"] = {**swept, "theory.spectrum": _renamed(swept["theory.spectrum"])}
+    if "sweep" in table:
+        changed["sweep"] = dict(swept)
+    for holder, name in ((changed["theory"], "spectrum"), (changed.get("sweep", {}), "theory.spectrum")):
+        if name in holder:
+            words = [TABLE if word == FILE else word for word in _words(holder[name])]
+            holder[name] = words if isinstance(holder[name], list) or len(words) > 1 else words[0]
     return changed
 
 
@@ -151,19 +149,11 @@ def _words(spectrum: Any) -> list[Any]:
     return spectrum if isinstance(spectrum, list) else [spectrum]
 
 
-def _renamed(spectrum: Any) -> Any:
-    words = [TABLE if word == FILE else word for word in _words(spectrum)]
-    return words if isinstance(spectrum, list) or len(words) > 1 else words[0]
-
-
 def _columns(path: Path, key: str, given: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
     where = f"{key}: {path}"
     columns, said = _netcdf(path, where) if path.suffix.lower() == ".nc" else _text(path, key, where)
-    q, density = (
-        column * _factor(where, *about)
-        for column, *about in zip(columns, _NAMES, _UNIT_KEYS, said, given, _SI, strict=True)
-    )
-    return _checked(where, q, density)
+    about = zip(columns, _NAMES, _UNIT_KEYS, said, given, _SI, strict=True)
+    return _checked(where, *(column * _factor(where, *words) for column, *words in about))
 
 
 def _factor(where: str, name: str, key: str, own: str | None, asked: Any, si: str) -> float:
@@ -183,10 +173,13 @@ def _factor(where: str, name: str, key: str, own: str | None, asked: Any, si: st
 
 def _text(path: Path, key: str, where: str) -> tuple[np.ndarray, list[str | None]]:
     """Both columns, and the units that a header gives them."""
-    stripped = ((number, line.strip()) for number, line in enumerate(_text_of(path, key).splitlines(), 1))
-    lines = [(number, line) for number, line in stripped if line]
-    header = [line.lstrip("#").strip() for _, line in lines if line.startswith("#") or not _is_number(line)]
-    rows = [(number, line) for number, line in lines if not line.startswith("#") and _is_number(line)]
+    header, rows = [], []
+    for number, line in enumerate(map(str.strip, _text_of(path, key).splitlines()), 1):
+        try:
+            float(re.split(r"[\s,;]+", line)[0])
+            rows.append((number, line))
+        except ValueError:
+            header.append(line)
     bracketed = [re.findall(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]", line) for line in header]
     named = next((found for found in reversed(bracketed) if len(found) >= len(_NAMES)), None)
     table = _numbers_of(rows, where, r"[\s,;]+")
@@ -196,14 +189,6 @@ def _text(path: Path, key: str, where: str) -> tuple[np.ndarray, list[str | None
             'only under a header such as "q (1/m), C (m^4)"'
         )
     return table.T[:2], [None, None] if named is None else named[:2]
-
-
-def _is_number(line: str) -> bool:
-    try:
-        float(re.split(r"[\s,;]+", line)[0])
-    except ValueError:
-        return False
-    return True
 
 
 def _netcdf(path: Path, where: str) -> tuple[np.ndarray, list[str | None]]:
@@ -236,10 +221,8 @@ def _netcdf(path: Path, where: str) -> tuple[np.ndarray, list[str | None]]:
 
 def _checked(where: str, q: np.ndarray, density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rows that hold a spectrum; those at the ends whose power is none, or a transform's rounding, are outside."""
-    for name, column, si, bad in (
-        ("wavevector", q, _SI[0], ~np.isfinite(q) | (q <= 0)),
-        ("power", density, _SI[1], ~np.isfinite(density) | (density < 0)),
-    ):
+    for name, column, si, wrong in zip(_NAMES, (q, density), _SI, (q <= 0, density < 0), strict=True):
+        bad = ~np.isfinite(column) | wrong
         if bad.any():
             row = int(np.argmax(bad))
             raise InputError(f"{where}, row {row + 1}: {name} {column[row]:g} {si}; must be a positive number")
@@ -256,7 +239,7 @@ def _checked(where: str, q: np.ndarray, density: np.ndarray) -> tuple[np.ndarray
     if not density.all():
         row = held[0] + int(np.argmin(density))
         raise InputError(f"{where}, row {row + 1}: power 0 m^4 between others; leave such rows out")
-    for name, column, si in (("wavevector", q, _SI[0]), ("power", density, _SI[1])):
+    for name, column, si in zip(_NAMES, (q, density), _SI, strict=True):
         for value in (column.min(), column.max()):
             units.quantity(float(value), si, f"{where}, {name}")
     return q, density

@@ -85,7 +85,11 @@ def test_a_solid_stiffer_along_its_normal_has_a_shorter_one():
         (SPHERE, {"law": "hard_wall"}, "does not attract"),
         (SPHERE, {"work_of_adhesion": "1 N"}, "interaction.work_of_adhesion"),
         ({"kind": "file", "path": "nowhere.npy", "size": 1e-6}, {}, "nowhere.npy does not exist"),
-        (SPHERE, {"work_of_adhesion": None, "well_depth": "10 meV"}, r"needs interaction\.work_of_adhesion"),
+        (
+            SPHERE,
+            {"law": "lennard_jones_10_4", "work_of_adhesion": None, "well_depth": "10 meV"},
+            r"needs interaction\.work_of_adhesion",
+        ),
         (SPHERE, {"sweep": {"interaction.length": ["auto", 1e-9]}, "length": None}, "no number to sweep over"),
         (WAVE, {"material": MATERIAL | {"youngs_modulus": "70 GPa"}}, "not soft.*below atomic distances.*give the le"),
     ],

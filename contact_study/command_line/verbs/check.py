@@ -3,11 +3,11 @@
 import argparse
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contact_study.command_line.frame import MODELS, epilog
+from contact_study.command_line.frame import MODELS, epilog, print_table, say
 from contact_study.inputs.errors import DONE, WRONG_INPUT, InputError
 
 if TYPE_CHECKING:
@@ -29,14 +29,12 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(given: argparse.Namespace) -> int:
     """Check; the exit status is 1 if no model that is asked for can run the study."""
-    from contact_study.command_line.terminal import print_table, say
     from contact_study.study.checks import describe_maps
     from contact_study.study.study import read_study
 
     study = read_study(given.study, given.keys)
-    names = [given.model] if given.model else list(MODELS)
     rows, notes = [], dict[str, list[str]]()
-    for name in names:
+    for name in [given.model] if given.model else MODELS:
         try:
             row, found = _judged(name, study)
         except InputError as error:
@@ -52,7 +50,7 @@ def run(given: argparse.Namespace) -> int:
         say(line)
     print()
     print_table(("model", "possible", "memory per case", "time on one core", "remark"), rows)
-    numbers = list(_expected(study.cases))
+    numbers = list(_expected([_numbers(case) for case in study.cases]))
     if numbers:
         print()
         print_table(("number", "value", "what to expect"), numbers)
@@ -67,12 +65,11 @@ def run(given: argparse.Namespace) -> int:
 
 def _judged(name: str, study: "Study") -> tuple[tuple[str, ...], list[str]]:
     """Return a model's row of the table and its warnings; raises InputError if it cannot run the study."""
+    from contact_study.campaign import model as models
     from contact_study.campaign.memory import duration, in_words, require_at_once, seconds_of
-    from contact_study.campaign.model import MODELS as MODELS_BY_KIND
-    from contact_study.campaign.model import check_study
 
-    model = MODELS_BY_KIND[MODELS[name]]
-    _, notes = check_study(model, study)
+    model = models.MODELS[MODELS[name]]
+    _, notes = models.check_study(model, study)
     needs = [model.needs(case) for case in study.cases]
     require_at_once(needs, None)
     found, remark = seconds_of(model.kind, [(case, len(case.path)) for case in study.cases]), ""
@@ -95,8 +92,7 @@ def _extent(study: "Study") -> Iterator[str]:
     each = f"{steps[0]} load steps" if min(steps) == max(steps) else f"{min(steps)} to {max(steps)} load steps"
     cases = f"1 case of {each}" if len(steps) == 1 else f"{len(steps)} cases of {each}, {sum(steps)} in all"
     yield f"{cases}{f' ({swept})' if swept else ''}"
-    rough = [case.scales for case in study.cases if not case.surface.absent]
-    grids = {(scale.shape, scale.size) for scale in rough}
+    grids = {(case.scales.shape, case.scales.size) for case in study.cases if not case.surface.absent}
     for shape, size in sorted(grids)[:3]:
         spacing = max(side / points for side, points in zip(size, shape, strict=True))
         yield f"{shape[0]} x {shape[1]} points on {length(*size)} (y, x), spacing {length(spacing)}"
@@ -109,88 +105,61 @@ def _listed(values: Sequence[Any]) -> str:
     return ", ".join(words) if len(words) <= 6 else f"{words[0]}, {words[1]} ... {words[-1]}"
 
 
-def _expected(cases: "tuple[Case, ...]") -> Iterator[tuple[str, str, str]]:
+def _expected(cases: Sequence[dict[int, float]]) -> Iterator[tuple[str, str, str]]:
     """Yield a row for each number and each meaning that it has in some case."""
-    for title, of, meaning in _NUMBERS:
-        found = [value for case in cases if (value := of(case)) is not None]
+    for number, (title, meant) in enumerate(meanings().items()):
         groups: dict[str, list[float]] = {}
-        for value in found:
-            groups.setdefault(meaning(value), []).append(value)
-        for words, values in sorted(groups.items(), key=lambda item: min(item[1])):
-            low, high = f"{min(values):.3g}", f"{max(values):.3g}"
+        for value in sorted(case[number] for case in cases if number in case):
+            groups.setdefault(next(words for least, words in meant.items() if value >= least), []).append(value)
+        for words, values in groups.items():
+            low, high = f"{values[0]:.3g}", f"{values[-1]:.3g}"
             part = "" if len(values) == len(cases) else f" ({len(values)} of {len(cases)} cases)"
             yield title, low if low == high else f"{low} to {high}", words + part
             title = ""
 
 
-def _zone_points(case: "Case") -> float | None:
-    if case.surface.absent or not case.law.attracts:
-        return None
-    from contact_study.physics.process_zone import process_zone
-
-    return process_zone(case.solid.softest_modulus(*case.scales.grid_waves), case.law) / case.scales.pixel
-
-
-def _zone_meaning(points: float) -> str:
+def meanings() -> dict[str, dict[float, str]]:
+    """Return the numbers to expect, and what each means from a least value on."""
     from contact_study.physics.process_zone import POINTS_FOR_ONE_STATE, POINTS_PER_PROCESS_ZONE
-
-    if points >= POINTS_PER_PROCESS_ZONE:
-        return "the grid resolves contact edges"
-    more = f"use {POINTS_PER_PROCESS_ZONE} or more"
-    if points >= POINTS_FOR_ONE_STATE:
-        return f"edges are trapped on unloading, pull-off comes out too strong; {more}"
-    return f"too coarse: the area may be wrong by a factor of two, pull-off is the grid's; {more}"
-
-
-def _theta(case: "Case") -> float | None:
-    """Return Δγ over the energy of full contact; B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001)."""
-    spectrum = case.scales.spectrum
-    if spectrum is None or not case.law.attracts or case.scales.apex_curvature is not None:
-        return None
-    return case.law.work_of_adhesion / float(spectrum.full_contact_energy(case.solid.stiffness))
-
-
-def _theta_meaning(theta: float) -> str:
-    if theta > 1:
-        return "full contact gains energy: surfaces that touch will stick completely"
-    return "full contact costs energy: contact stays partial without a load"
-
-
-def _tabor(case: "Case") -> float | None:
-    from contact_study.physics.tabor import tabor_parameter
-
-    law, curvature = case.law, case.scales.rms_curvature
-    if not law.attracts or not curvature > 0:
-        return None
-    reach = law.length if law.has_wall else law.equilibrium_distance
-    return tabor_parameter(1 / curvature, case.solid.contact_modulus, law.work_of_adhesion, reach)
-
-
-def _tabor_meaning(tabor: float) -> str:
     from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE
 
-    if tabor > JKR_LIKE:
-        return "JKR-like: contacts jump, loading and unloading will differ"
-    if tabor > DMT_LIKE:
-        return "between the limits: the range matters, loading and unloading may differ"
-    return "DMT-like: adhesion hardly deforms the solid, loading and unloading agree"
+    more = f"use {POINTS_PER_PROCESS_ZONE} or more"
+    return {
+        "grid points per process zone": {
+            POINTS_PER_PROCESS_ZONE: "the grid resolves contact edges",
+            POINTS_FOR_ONE_STATE: f"edges are trapped on unloading, pull-off comes out too strong; {more}",
+            0: f"too coarse: the area may be wrong by a factor of two, pull-off is the grid's; {more}",
+        },
+        "theta = Δγ / U_full (Persson, Tosatti)": {
+            1: "full contact gains energy: surfaces that touch will stick completely",
+            0: "full contact costs energy: contact stays partial without a load",
+        },
+        "Tabor parameter of the asperities": {
+            JKR_LIKE: "JKR-like: contacts jump, loading and unloading will differ",
+            DMT_LIKE: "between the limits: the range matters, loading and unloading may differ",
+            0: "DMT-like: adhesion hardly deforms the solid, loading and unloading agree",
+        },
+        "area without adhesion, largest load (%)": {
+            20: "beyond light contact",
+            0: "light contact, in proportion to the load",
+        },
+    }
 
 
-def _bare_area(case: "Case") -> float | None:
-    """Return the contact area without adhesion at the largest pressure, by Persson's theory, in per cent."""
-    stress = case.scales.full_contact_stress(case.solid)
-    if case.loading.control != "pressure" or not stress > 0 or case.scales.apex_curvature is not None:
-        return None
-    return 100 * math.erf(max(0.0, *case.loading.path) / (math.sqrt(2) * stress))
+def _numbers(case: "Case") -> dict[int, float]:
+    """Return what a case has of these numbers; θ as B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001)."""
+    from contact_study.physics.process_zone import process_zone
+    from contact_study.physics.tabor import tabor_parameter
 
-
-def _bare_meaning(area: float) -> str:
-    return "light contact, in proportion to the load" if area < 20 else "beyond light contact"
-
-
-_NUMBERS: tuple[tuple[str, Callable[["Case"], float | None], Callable[[float], str]], ...] = (
-    ("grid points per process zone", _zone_points, _zone_meaning),
-    ("theta = Δγ / U_full (Persson, Tosatti)", _theta, _theta_meaning),
-    ("Tabor parameter of the asperities", _tabor, _tabor_meaning),
-    ("area without adhesion, largest load (%)", _bare_area, _bare_meaning),
-)
+    law, solid, scales, found = case.law, case.solid, case.scales, dict[int, float]()
+    rough, stress = scales.apex_curvature is None, scales.full_contact_stress(solid)
+    if law.attracts and not case.surface.absent:
+        found[0] = process_zone(solid.softest_modulus(*scales.grid_waves), law) / scales.pixel
+    if law.attracts and rough and scales.spectrum is not None:
+        found[1] = law.work_of_adhesion / float(scales.spectrum.full_contact_energy(solid.stiffness))
+    if law.attracts and scales.rms_curvature > 0:
+        reach = law.length if law.has_wall else law.equilibrium_distance
+        found[2] = tabor_parameter(1 / scales.rms_curvature, solid.contact_modulus, law.work_of_adhesion, reach)
+    if case.loading.control == "pressure" and stress > 0 and rough:  # by Persson's theory
+        found[3] = 100 * math.erf(max(0.0, *case.loading.path) / (math.sqrt(2) * stress))
+    return found

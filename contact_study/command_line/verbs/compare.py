@@ -23,27 +23,14 @@ def add(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("datasets", type=Path, nargs="+", metavar="FILE.nc", help="datasets of one contact; one alone is reported on")
     add(
-        "-o",
-        "--output",
-        required=True,
-        metavar="FOLDER",
-        help="folder of dataset, report and figures, or OUT.nc alone",
+        "-o", "--output", required=True, metavar="FOLDER", help="folder of dataset, report and figures, or OUT.nc alone"
     )
     add("--report", metavar="FILE", help="report to write, one HTML file; default: FOLDER/report.html")
     add("--figures", type=Path, metavar="FOLDER", help="folder of the figures; default: FOLDER/figures")
-    add(
-        "--figure-format",
-        action="append",
-        choices=FORMATS,
-        metavar="FORMAT",
-        help=f"{', '.join(FORMATS)}; may be repeated",
-    )
+    words = f"{', '.join(FORMATS)}; may be repeated"
+    add("--figure-format", action="append", choices=FORMATS, metavar="FORMAT", help=words)
     add("--overwrite", action="store_true", help="replace existing files")
-    add(
-        "--reference-pressure",
-        metavar="P",
-        help='pressure of the distributions, such as "1 GPa"',
-    )
+    add("--reference-pressure", metavar="P", help='pressure of the distributions, such as "1 GPa"')
     add("--average", metavar="KEY", help="swept key that is averaged over, such as rms_height; default: seed")
     add("--scatter", type=Path, metavar="FILE", help="dataset over several surfaces, of which the scatter is drawn")
 
@@ -53,36 +40,24 @@ def run(given: argparse.Namespace) -> int:
     from contact_study.campaign.store.files import named_file
     from contact_study.inputs import units
 
-    formats = list(dict.fromkeys(given.figure_format or ["png"]))
     output, figures, report = given.output, given.figures, given.report
     if output and not Path(output).suffix:  # a folder for all
         figures, report = figures or Path(output, "figures"), report or Path(output, "report.html")
         output = Path(output, "comparison.nc")
     output, report = named_file(output), named_file(report) if report else None
-    pictures = (
-        {kind: {name: figures / f"{file}.{kind}" for name, file in FIGURE_FILES.items()} for kind in formats}
+    pictures = {
+        kind: {name: figures / f"{file}.{kind}" for name, file in FIGURE_FILES.items()}
+        for kind in dict.fromkeys(given.figure_format or ["png"])
         if figures
-        else {}
-    )
+    }
     planned = [output, *([report] if report else []), *(path for files in pictures.values() for path in files.values())]
     _check_outputs(planned, [*given.datasets, *([given.scatter] if given.scatter else [])], overwrite=given.overwrite)
-    reference = (
-        units.quantity(given.reference_pressure, "Pa", "--reference-pressure") if given.reference_pressure else None
-    )
+    pressure = given.reference_pressure
+    reference = units.quantity(pressure, "Pa", "--reference-pressure") if pressure else None
     from contact_study.report.comparison import Request, compare
 
-    request = Request(
-        given.datasets,
-        output,
-        report,
-        pictures,
-        reference,
-        given.average,
-        given.scatter,
-        given.command,
-        given.arguments,
-    )
-    return compare(request)
+    about = given.average, given.scatter, given.command, given.arguments
+    return compare(Request(given.datasets, output, report, pictures, reference, *about))
 
 
 def _check_outputs(planned: Sequence[Path], datasets: Sequence[Path], *, overwrite: bool) -> None:

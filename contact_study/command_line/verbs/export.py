@@ -50,7 +50,7 @@ def run(given: argparse.Namespace) -> int:
     with opened(given.file) as dataset:
         chosen = selected(dataset, given.case, given.step)
         if given.form == "csv":
-            table = results_table(chosen)
+            table = _table(chosen)
             writable_output(output)
             write_aside(output, lambda partial: table.to_csv(partial, index=False, float_format="%.9g"))
         else:
@@ -60,7 +60,7 @@ def run(given: argparse.Namespace) -> int:
     return DONE
 
 
-def results_table(dataset: "xr.Dataset") -> "pd.DataFrame":
+def _table(dataset: "xr.Dataset") -> "pd.DataFrame":
     """Return what a dataset has for each case and load step, a row for each, units in the names of the columns."""
     from contact_study.plots.selection import LOADING, UNLOADING
 
@@ -72,8 +72,7 @@ def results_table(dataset: "xr.Dataset") -> "pd.DataFrame":
     frame = frame.dropna(subset=["mean_pressure"], how="all") if "mean_pressure" in frame else frame
     if "branch" in frame:
         frame["branch"] = frame["branch"].map({LOADING: "loading", UNLOADING: "unloading"})
-    units = {name: str(dataset[name].attrs.get("units", "1")) for name in frame if name in dataset.variables}
-    first = [*dims, *(name for name in frame if str(name).startswith("applied_")), "branch"]
-    columns = [name for name in first if name in frame]
-    frame = frame[[*columns, *(name for name in frame if name not in columns)]]
+    applied = [name for name in frame if str(name).startswith("applied_")]
+    frame = frame[[name for name in dict.fromkeys([*dims, *applied, "branch", *frame]) if name in frame]]
+    units = {name: dataset[name].attrs.get("units", "1") for name in frame if name in dataset.variables}
     return frame.rename(columns={name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "1")})

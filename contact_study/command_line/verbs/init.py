@@ -3,12 +3,11 @@
 import argparse
 import tomllib
 from importlib.resources import files
-from importlib.resources.abc import Traversable
 
-from contact_study.command_line.frame import epilog
+from contact_study.command_line.frame import epilog, print_table
 from contact_study.inputs.errors import DONE, InputError
 
-_SUFFIX = ".toml"
+_SUFFIX, _FOLDER = ".toml", files("contact_study").joinpath("example_studies")
 USAGE = "[NAME] [-o FILE] [--overwrite]"
 END = epilog("bem-adhesion init", "bem-adhesion init rubber", "bem-adhesion init first -o study.toml")
 
@@ -24,7 +23,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(given: argparse.Namespace) -> int:
     """Write or list."""
     from contact_study.campaign.store.files import named_file, writable_output, write_aside
-    from contact_study.command_line.terminal import print_table
 
     if given.name is None:
         if given.output not in (None, "-"):
@@ -47,7 +45,7 @@ def run(given: argparse.Namespace) -> int:
 
 def example_names() -> list[str]:
     """Return the names of the examples."""
-    return sorted(file.name.removesuffix(_SUFFIX) for file in _folder().iterdir() if file.name.endswith(_SUFFIX))
+    return sorted(file.name.removesuffix(_SUFFIX) for file in _FOLDER.iterdir() if file.name.endswith(_SUFFIX))
 
 
 def example(name: str) -> str:
@@ -57,8 +55,4 @@ def example(name: str) -> str:
     known = example_names()
     if name not in known:
         raise InputError(f"unknown example {name}{suggestion(name, known)}; known: {', '.join(known)}")
-    return _folder().joinpath(name + _SUFFIX).read_text(encoding="utf-8")
-
-
-def _folder() -> Traversable:
-    return files("contact_study").joinpath("example_studies")
+    return _FOLDER.joinpath(name + _SUFFIX).read_text(encoding="utf-8")

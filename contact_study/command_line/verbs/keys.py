@@ -4,15 +4,11 @@ import argparse
 import dataclasses
 from typing import Any
 
-from contact_study.command_line.frame import MODELS, epilog
+from contact_study.command_line.frame import MODELS, epilog, print_table, say
 from contact_study.inputs.errors import DONE, InputError
 
 USAGE = "[SECTION] [--kind KIND]"
-END = epilog(
-    "bem-adhesion keys",
-    "bem-adhesion keys surface --kind file",
-    "bem-adhesion keys interaction.length",
-)
+END = epilog("bem-adhesion keys", "bem-adhesion keys surface --kind file", "bem-adhesion keys interaction.length")
 _LONG = 24  # characters of the words that a key takes, beyond which they follow its meaning
 
 
@@ -25,7 +21,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(given: argparse.Namespace) -> int:
     """List sections, or the keys of one."""
-    from contact_study.command_line.terminal import print_table, say
     from contact_study.inputs import plugins
     from contact_study.study.schema.dotted_keys import all_keys
     from contact_study.study.schema.keys import TaggedUnion, default_of, keys_of, suggestion
@@ -35,10 +30,8 @@ def run(given: argparse.Namespace) -> int:
     if given.section is None:
         if given.kind is not None:
             raise InputError(f"--kind {given.kind}: of which section? bem-adhesion keys surface --kind {given.kind}")
-        head = ("section", "keys", "read by", "meaning")
-        print_table(
-            head, [(name, str(len(keys_of(one))), _readers(name), _summary(one)) for name, one in sections.items()]
-        )
+        rows = [(name, str(len(keys_of(one))), _readers(name), _summary(one)) for name, one in sections.items()]
+        print_table(("section", "keys", "read by", "meaning"), rows)
         return DONE
     name, _, only = given.section.partition(".")
     declared = sections.get(name)
@@ -82,9 +75,9 @@ def _described(kind: str, default: Any, meaning: str) -> tuple[str, str, str]:
 
 
 def _readers(section: str) -> str:
-    from contact_study.campaign.model import MODELS as MODELS_BY_KIND
+    from contact_study.campaign import model as models
 
-    readers = [words for words, kind in MODELS.items() if section not in MODELS_BY_KIND[kind].ignores]
+    readers = [words for words, kind in MODELS.items() if section not in models.MODELS[kind].ignores]
     return "all models" if len(readers) == len(MODELS) else ", ".join(readers)
 
 

@@ -19,13 +19,8 @@ def add(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("datasets", type=Path, nargs="+", metavar="PART.nc", help="datasets of one model, version and study")
     add("-o", "--output", required=True, metavar="OUT.nc", help="dataset to write")
-    add(
-        "--along",
-        action="append",
-        default=[],
-        metavar="SECTION.KEY",
-        help="key that differs between parts but is not swept",
-    )
+    differing = "key that differs between parts but is not swept"
+    add("--along", action="append", default=[], metavar="SECTION.KEY", help=differing)
     add("--overwrite", action="store_true", help="replace an existing dataset")
 
 

@@ -27,17 +27,9 @@ PICTURES = {
     "criteria": ("criteria_map", False, False, "criteria of stickiness (theories)"),
 }
 USAGE = "FILE.nc [PICTURE] [-o PICTURE.png] [--case KEY=VALUE] [--step N]"
-END = "\n".join(
-    [
-        "pictures:",
-        *(f"  {word:12}{words}" for word, (*_, words) in PICTURES.items()),
-        "",
-        epilog(
-            "bem-adhesion plot bem.nc",
-            "bem-adhesion plot bem.nc map --case well_depth_ratio=4 --step -1 -o gap.pdf",
-        ),
-    ]
-)
+_ONE = "bem-adhesion plot bem.nc map --case well_depth_ratio=4 --step -1 -o gap.pdf"
+_LIST = "".join(f"  {word:12}{words}\n" for word, (*_, words) in PICTURES.items())
+END = f"pictures:\n{_LIST}\n{epilog('bem-adhesion plot bem.nc', _ONE)}"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -63,13 +55,10 @@ def run(given: argparse.Namespace) -> int:
     check_inputs_kept(output, [given.file])
     name, single_case, single_step, _ = PICTURES[given.picture]
     with opened(given.file) as dataset:
-        chosen: list[str] = []
-        shown = selected(dataset, given.case, given.step)
-        if single_case:
-            shown, chosen = one_case(shown)
-        if single_step:
-            shown, step = one_step(shown)
-            chosen += step
+        shown, chosen = selected(dataset, given.case, given.step), list[str]()
+        for narrowed in [one_case] * single_case + [one_step] * single_step:
+            shown, words = narrowed(shown)
+            chosen += words
         try:
             axes = getattr(plots, name)(shown)
         except ValueError as error:

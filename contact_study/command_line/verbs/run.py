@@ -2,14 +2,10 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from contact_study.campaign.engines import ENGINES
 from contact_study.command_line.frame import MODELS, epilog, report_convergence
 from contact_study.inputs.errors import InputError
-
-if TYPE_CHECKING:
-    from contact_study.campaign.model import Model
 
 KEYS = True
 KEPT = "finished steps are kept, continue with --resume"
@@ -40,12 +36,13 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(given: argparse.Namespace) -> int:
     """Run the study."""
+    from contact_study.campaign import model as models
     from contact_study.campaign.progress import Progress
     from contact_study.campaign.run import RunOptions, run_campaign
     from contact_study.campaign.store.files import check_inputs_kept, named_file
     from contact_study.study.study import read_study
 
-    output, model = named_file(given.output), _model(given)
+    output, model = named_file(given.output), given.other_model or models.MODELS[MODELS[given.model]]
     if given.predictor is not None and not model.takes_predictor:
         raise InputError(f"--start-from {given.predictor}: only atoms start from gaps; use --model atoms")
     if given.resume and given.overwrite:
@@ -55,13 +52,6 @@ def run(given: argparse.Namespace) -> int:
     study = read_study(given.study, given.keys)
     check_inputs_kept(output, [given.study, given.predictor, *(case.height_map for case in study.cases)])
     options = RunOptions(given.resume, given.overwrite, given.workers, given.engine, given.scheduler)
-    progress = Progress(given.command)
-    groups = run_campaign(model, study, output, progress, given.words, given.predictor, options)
+    groups = run_campaign(model, study, output, Progress(given.command), given.words, given.predictor, options)
     print(output)
     return report_convergence(given.command, groups)
-
-
-def _model(given: argparse.Namespace) -> "Model":
-    from contact_study.campaign import model
-
-    return given.other_model or model.MODELS[MODELS[given.model]]

@@ -7,20 +7,9 @@ from typing import Any, ClassVar
 from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer, Layered, Measured, Viscoelastic
 from contact_study.physics.solids.base import indentation_modulus, stiffnesses
-from contact_study.study.schema.keys import (
-    METRES,
-    PASCALS,
-    PER_METRE,
-    SECONDS,
-    TEXT,
-    TaggedUnion,
-    check_table,
-    choice,
-    key,
-    quantity,
-    sequence,
-)
-from contact_study.study.schema.sections import MaterialSection
+from contact_study.study.schema import keys
+from contact_study.study.schema.keys import METRES, PASCALS, PER_METRE, SECONDS, TEXT, key, quantity, sequence
+from contact_study.study.schema.sections import POISSONS_RATIO, MaterialSection
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +23,7 @@ class ElasticitySection(ABC):
 
     kind: str = key(TEXT, "what solid the block is", "half_space")
     boundary: str = key(
-        choice("periodic", "free"),
+        keys.choice("periodic", "free"),
         "surface and block repeated periodically, or the surface of one cell on a half-space",
         "periodic",
     )
@@ -95,26 +84,17 @@ class LayeredSection(LayerSection):
     makes = Layered
 
     base_youngs_modulus: float = key(PASCALS, "Young's modulus of the half-space under the layer")
-    base_poissons_ratio: float = key(
-        quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio of the half-space under the layer"
-    )
+    base_poissons_ratio: float = key(POISSONS_RATIO, "Poisson's ratio of the half-space under the layer")
 
     def solid(self, material: MaterialSection) -> Layered:
-        return Layered(
-            material.contact_modulus,
-            material.poissons_ratio,
-            self.thickness,
-            self.base_youngs_modulus / (1 - self.base_poissons_ratio**2),
-            self.base_poissons_ratio,
-        )
+        layer = material.contact_modulus, material.poissons_ratio, self.thickness
+        base_modulus = self.base_youngs_modulus / (1 - self.base_poissons_ratio**2)
+        return Layered(*layer, base_modulus, self.base_poissons_ratio)
 
     @classmethod
     def keys_from(cls, solid: Any, poissons_ratio: float) -> dict[str, Any]:
-        return {
-            "thickness": solid.thickness,
-            "base_youngs_modulus": solid.base_modulus * (1 - solid.base_poissons_ratio**2),
-            "base_poissons_ratio": solid.base_poissons_ratio,
-        }
+        modulus, ratio = solid.base_modulus * (1 - solid.base_poissons_ratio**2), solid.base_poissons_ratio
+        return {"thickness": solid.thickness, "base_youngs_modulus": modulus, "base_poissons_ratio": ratio}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,10 +114,9 @@ class TransverselyIsotropicSection(ElasticitySection):
     axial_shear_modulus: float = key(PASCALS, "shear modulus between plane and normal")
 
     def solid(self, material: MaterialSection) -> HalfSpace:
+        in_plane = material.youngs_modulus, material.poissons_ratio
         try:
-            known = stiffnesses(
-                material.youngs_modulus, material.poissons_ratio, self.axial_modulus, self.axial_poissons_ratio
-            )
+            known = stiffnesses(*in_plane, self.axial_modulus, self.axial_poissons_ratio)
         except ValueError as error:
             raise InputError(
                 f"elasticity.axial_poissons_ratio = {self.axial_poissons_ratio:g}: no solid has it beside these "
@@ -152,10 +131,7 @@ class MeasuredSection(ElasticitySection):
 
     words = "of tabulated stiffness K(q), quoted by "
     makes = Measured
-    columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see tables.with_columns
-        "wavenumber": ("wavenumber_unit", "m^-1", "m^-1"),
-        "stiffness": ("stiffness_unit", "Pa/m", "Pa/m"),
-    }
+    columns: ClassVar[dict[str, str]] = {"wavenumber": "m^-1", "stiffness": "Pa/m"}  # see tables.with_columns
 
     path: str | None = key(TEXT, "text table of wavenumber and stiffness K, relative to the study file", None)
     wavenumber_unit: str = key(TEXT, "unit of the wavenumbers in that table", "m^-1")
@@ -167,8 +143,7 @@ class MeasuredSection(ElasticitySection):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        numbers = {"wavenumber": self.wavenumber, "stiffness": self.stiffness}
-        check_table("elasticity", f'kind = "{self.kind}"', self.path, numbers)
+        keys.check_table(self, "elasticity", f'kind = "{self.kind}"')
 
     def solid(self, material: MaterialSection) -> Measured:
         try:
@@ -212,7 +187,7 @@ class ViscoelasticSection(ElasticitySection):
         return {"branch_youngs_moduli": moduli, "relaxation_times": solid.relaxation_times}
 
 
-ELASTICITIES = TaggedUnion(
+ELASTICITIES = keys.TaggedUnion(
     "kind",
     {
         "half_space": HalfSpaceSection,

@@ -8,17 +8,8 @@ import numpy as np
 from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LAWS, HardWall, TabulatedLaw, TractionLaw
 from contact_study.physics.laws.exponential import RAMP
-from contact_study.study.schema.keys import (
-    FACTOR,
-    METRES,
-    TEXT,
-    TaggedUnion,
-    check_table,
-    key,
-    or_word,
-    quantity,
-    sequence,
-)
+from contact_study.study.schema import keys
+from contact_study.study.schema.keys import FACTOR, METRES, TEXT, key, quantity
 
 # The key that may be left to be chosen, and the word that does so.
 LENGTH, AUTO = "interaction.length", "auto"
@@ -28,8 +19,6 @@ LENGTH, AUTO = "interaction.length", "auto"
 class InteractionSection:
     """The adhesive law; a law with further keys or checks has a subclass."""
 
-    adhesive: ClassVar[bool] = False  # has a strength and a length
-    cored: ClassVar[bool] = False  # has a repulsive core, its length is the equilibrium distance
     refuses: ClassVar[tuple[tuple[str, ...], str]] = (), ""  # keys without use, and why, in words after its name
 
     law: str = key(TEXT, "traction-separation law of the continuum", "lennard_jones_10_4")
@@ -39,7 +28,7 @@ class InteractionSection:
     work_of_adhesion: float | None = key(quantity("J/m^2", positive=True), "Δγ, in place of well_depth", None)
     well_depth_ratio: float = key(FACTOR, "multiplies well_depth or work_of_adhesion", 1.0)
     length: float | None = key(
-        or_word(METRES, AUTO),
+        keys.or_word(METRES, AUTO),
         "equilibrium distance, range or reach of the law; auto: longest of JKR-like contacts",
         None,
     )
@@ -53,13 +42,16 @@ class InteractionSection:
         for name in self.refuses[0]:
             if getattr(self, name) is not None:
                 raise InputError(f'interaction.{name}: law = "{self.law}" {self.refuses[1]}')
-        if self.adhesive and self.well_depth is None and self.work_of_adhesion is None:
+        if not LAWS[self.law].attracts or "work_of_adhesion" in self.refuses[0]:
+            return
+        if self.well_depth is None and self.work_of_adhesion is None:
             raise InputError(
                 f'missing key interaction.well_depth or interaction.work_of_adhesion: law = "{self.law}" needs one'
             )
-        if self.adhesive and self.length is None:
+        if self.length is None:
             raise InputError(f'missing key interaction.length: law = "{self.law}" needs it')
-        if self.cored and self.contact_distance is not None and self.contact_distance <= (self.length or 0.0):
+        cored = not LAWS[self.law].has_wall and self.length != AUTO  # the length is the equilibrium distance
+        if cored and self.contact_distance is not None and self.contact_distance <= self.length:
             raise InputError(
                 f"interaction.contact_distance = {self.contact_distance:g} m: must exceed the equilibrium distance, "
                 f"interaction.length = {self.length:g} m"
@@ -81,21 +73,6 @@ class InteractionSection:
 class SmoothInteraction(InteractionSection):
     """A law with a repulsive core, whose length is its equilibrium distance."""
 
-    adhesive = cored = True
-
-
-class PlainAdhesion(InteractionSection):
-    """A law that no pair of atoms stands for: its adhesion is given as Δγ."""
-
-    adhesive = True
-    refuses = ("well_depth",), "is not made of pairs of atoms; give interaction.work_of_adhesion"
-
-
-class PlainSmooth(PlainAdhesion):
-    """A law with a repulsive core whose adhesion is given as Δγ."""
-
-    cored = True
-
 
 class HardWallInteraction(InteractionSection):
     """A hard wall has no numbers."""
@@ -108,7 +85,7 @@ class HardWallInteraction(InteractionSection):
         return {}
 
 
-class HalfSpacesInteraction(SmoothInteraction):
+class HalfSpacesInteraction(InteractionSection):
     """Keys of the 9-3 law, whose adhesion does not follow from a pair of layers."""
 
     refuses = (
@@ -118,8 +95,14 @@ class HalfSpacesInteraction(SmoothInteraction):
     )
 
 
+class PlainAdhesion(InteractionSection):
+    """A law that no pair of atoms stands for: its adhesion is given as Δγ."""
+
+    refuses = ("well_depth",), "is not made of pairs of atoms; give interaction.work_of_adhesion"
+
+
 @dataclass(frozen=True, kw_only=True)
-class MorseInteraction(PlainSmooth):
+class MorseInteraction(PlainAdhesion):
     """Keys of Morse's law."""
 
     range: float = key(METRES, "length over which the attraction fades")
@@ -127,7 +110,7 @@ class MorseInteraction(PlainSmooth):
 
 @dataclass(frozen=True, kw_only=True)
 class CoredInteraction(MorseInteraction):
-    """Keys of a law with an exponential repulsion; its length is the equilibrium distance."""
+    """Keys of a law with an exponential repulsion."""
 
     core: float = key(METRES, "decay length of the repulsion")
 
@@ -166,7 +149,7 @@ class RepulsiveInteraction(InteractionSection):
 
     refuses = ("well_depth", "work_of_adhesion"), "does not attract; give interaction.repulsion"
 
-    length: float = key(METRES, "gap at which the repulsion begins")
+    length: float = key(keys.or_word(METRES, AUTO), "gap at which the repulsion begins")
     repulsion: float = key(
         quantity("J/m^2", positive=True), "U, its strength: that of the 9-3 law of this work of adhesion"
     )
@@ -177,22 +160,19 @@ class TabulatedInteraction(InteractionSection):
     """Keys of a tabulated law: a file, or its numbers, which the file's become when the study is read."""
 
     refuses = ("well_depth", "work_of_adhesion", "length"), "has its own, from the table"
-    columns: ClassVar[dict[str, tuple[str, str, str]]] = {  # of the file, see tables.with_columns
-        "gap": ("gap_unit", "m", "m"),
-        "traction": ("traction_unit", "Pa", "Pa"),
-    }
+    columns: ClassVar[dict[str, str]] = {"gap": "m", "traction": "Pa"}  # of the file, in SI, see tables.with_columns
 
     path: str | None = key(TEXT, "text table of gap and traction, tension positive, relative to the study file", None)
     gap_unit: str = key(TEXT, "unit of the gaps in that table", "m")
     traction_unit: str = key(TEXT, "unit of the tractions in that table", "Pa")
-    gap: tuple[float, ...] | None = key(sequence(METRES), "gaps of the table, in place of path", None)
+    gap: tuple[float, ...] | None = key(keys.sequence(METRES), "gaps of the table, in place of path", None)
     traction: tuple[float, ...] | None = key(
-        sequence(quantity("Pa")), "tractions at these gaps, tension positive, in place of path", None
+        keys.sequence(quantity("Pa")), "tractions at these gaps, tension positive, in place of path", None
     )
 
     def __post_init__(self):
         super().__post_init__()
-        check_table("interaction", f'law = "{self.law}"', self.path, {"gap": self.gap, "traction": self.traction})
+        keys.check_table(self, "interaction", f'law = "{self.law}"')
 
     def make_law(self, work_of_adhesion: float) -> TabulatedLaw:
         try:
@@ -201,12 +181,11 @@ class TabulatedInteraction(InteractionSection):
             raise InputError(f"interaction: the table of the law {error}") from None
 
     @classmethod
-    def keys_from(cls, law: TractionLaw) -> dict[str, Any]:
-        assert isinstance(law, TabulatedLaw)
+    def keys_from(cls, law: Any) -> dict[str, Any]:
         return {"gap": law.gaps, "traction": law.tractions}
 
 
-INTERACTIONS = TaggedUnion(
+INTERACTIONS = keys.TaggedUnion(
     "law",
     {
         "lennard_jones_10_4": SmoothInteraction,
@@ -223,7 +202,7 @@ INTERACTIONS = TaggedUnion(
 )
 
 
-def register_law(name: str, law: type[TractionLaw], section: type[InteractionSection] = PlainSmooth) -> None:
+def register_law(name: str, law: type[TractionLaw], section: type[InteractionSection] = PlainAdhesion) -> None:
     """Make a traction-separation law from outside the package known to studies.
 
     Parameters

@@ -3,7 +3,7 @@
 import contextlib
 import dataclasses
 import difflib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -31,8 +31,7 @@ class Key:
 
 def key(reader: Reader, description: str, default: Any = dataclasses.MISSING) -> Any:
     """A dataclass field bound to a key of the study file; without a default the key must be given."""
-    read, kind = reader
-    return dataclasses.field(default=default, metadata={"key": Key(read, kind, description)})
+    return dataclasses.field(default=default, metadata={"key": Key(*reader, description)})
 
 
 def quantity(
@@ -89,16 +88,15 @@ def choice(*allowed: str) -> Reader:
 
 def choices(*allowed: str) -> Reader:
     """One of a few words, or a list of different ones."""
-    _, kind = choice(*allowed)
     read_any, _ = one_or_several(choice(*allowed))
 
     def read(value: Any, name: str) -> str | tuple[str, ...]:
         given = read_any(value, name)
         if isinstance(given, tuple) and len(set(given)) < len(given):
             raise InputError(f"{name} = {value!r}: names one twice")
-        return given[0] if isinstance(given, tuple) and len(given) == 1 else given
+        return given[0] if len(given) == 1 else given
 
-    return read, f"{kind}, or a list"
+    return read, f"{' | '.join(allowed)}, or a list"
 
 
 def _as_it_is(fits: Callable[[Any], bool], expected: str, kind: str) -> Reader:
@@ -207,41 +205,21 @@ class TaggedUnion:
     @cached_property
     def keys(self) -> dict[str, Key]:
         """The keys of all kinds; those that not every kind has say whose they are."""
-        owners: dict[str, list[str]] = {}
-        found: dict[str, Key] = {}
+        owners: dict[str, dict[str, Key]] = {}
         for kind, section in self.declared.items():
             for name, declaration in keys_of(section).items():
-                owners.setdefault(name, []).append(kind)
-                found.setdefault(name, declaration)
+                owners.setdefault(name, {})[kind] = declaration
+        found = {}
         for name, kinds in owners.items():
-            if len(kinds) < len(self.declared):
-                words = f"{found[name].description} ({', '.join(kinds)})"
-                found[name] = dataclasses.replace(found[name], description=words)
-        read, written = choice(*self.declared)
-        return {**found, self.tag: Key(read, written, found[self.tag].description)}
-
-    def default(self, name: str) -> Any:
-        """The default of a key in the first kind that has it; MISSING if it must be given."""
-        return next(default_of(section, name) for section in self.declared.values() if name in keys_of(section))
-
-    def kind_of(self, table: Mapping[str, Any]) -> Any:
-        """The kind that a table names, as it is written."""
-        default = self.default(self.tag)
-        return table.get(self.tag, None if default is dataclasses.MISSING else default)
+            first = next(iter(kinds.values()))
+            whose = f" ({', '.join(kinds)})" if len(kinds) < len(self.declared) else ""
+            found[name] = dataclasses.replace(first, description=first.description + whose)
+        return {**found, self.tag: Key(*choice(*self.declared), found[self.tag].description)}
 
     def section_of(self, table: Mapping[str, Any]) -> type | None:
         """The dataclass of the kind that a table names; None if it names none that is known."""
-        kind = self.kind_of(table)
+        kind = table.get(self.tag, default_of(self, self.tag))
         return self.declared.get(kind) if isinstance(kind, str) else None
-
-    def without_others(self, tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-        """Each point's table without keys of the other points' kinds; what no kind of them has stays, to be refused."""
-        present = {section for table in tables if (section := self.section_of(table)) is not None}
-        used = {name for section in present for name in keys_of(section)}
-        return [
-            {name: value for name, value in table.items() if self.has(table, name) or name not in used}
-            for table in tables
-        ]
 
     def has(self, table: Mapping[str, Any], name: str) -> bool:
         """Test whether the kind that a table names has a key."""
@@ -250,8 +228,8 @@ class TaggedUnion:
 
     def bind(self, table: Mapping[str, Any], name: str) -> Any:
         """The section of the kind that a table names, errors as :func:`bind`."""
-        kind, tag = self.kind_of(table), self.keys[self.tag]
-        if kind is None:
+        kind, tag = table.get(self.tag, default_of(self, self.tag)), self.keys[self.tag]
+        if kind is dataclasses.MISSING:
             raise InputError(f"missing key {name}.{self.tag} ({tag.kind}: {tag.description})")
         section = self.declared[tag.read(kind, f"{name}.{self.tag}")]
         for given in table:
@@ -277,10 +255,10 @@ def keys_of(section: type | TaggedUnion) -> dict[str, Key]:
 
 
 def default_of(section: type | TaggedUnion, name: str) -> Any:
-    """The default of a key, ``dataclasses.MISSING`` if it must be given."""
+    """The default of a key, of the first kind that has it; ``dataclasses.MISSING`` if it must be given."""
     if isinstance(section, TaggedUnion):
-        return section.default(name)
-    return section.__dataclass_fields__[name].default  # type: ignore[attr-defined]
+        section = next(one for one in section.declared.values() if name in keys_of(one))
+    return section.__dataclass_fields__[name].default  # type: ignore[union-attr]
 
 
 def bind(section: type | TaggedUnion, table: Mapping[str, Any], name: str) -> Any:
@@ -299,12 +277,12 @@ def bind(section: type | TaggedUnion, table: Mapping[str, Any], name: str) -> An
     return section(**values)
 
 
-def check_table(section: str, kind: str, path: str | None, columns: Mapping[str, Any]) -> None:
-    """Raise InputError unless a table was read from its file, and has all columns."""
-    if path is not None:
+def check_table(bound: Any, section: str, kind: str) -> None:
+    """Raise InputError unless a section's table was read from its file, and has both columns."""
+    if bound.path is not None:
         raise InputError(f"{section}.path: one table a study; it cannot be swept or overridden")
-    if None in columns.values():
-        first, second = columns
+    first, second = bound.columns
+    if getattr(bound, first) is None or getattr(bound, second) is None:
         raise InputError(f"missing key {section}.path: {kind} needs a table, or {section}.{first} and {second}")
 
 

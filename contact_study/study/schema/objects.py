@@ -8,10 +8,7 @@ from contact_study.physics.laws import LAWS, TractionLaw
 from contact_study.physics.solids import Elasticity
 from contact_study.study.schema.elasticity import ELASTICITIES
 from contact_study.study.schema.interaction import INTERACTIONS
-from contact_study.study.schema.keys import keys_of
-from contact_study.study.schema.sections import MaterialSection
-
-_CONSTANTS = ("youngs_modulus", "poissons_ratio")
+from contact_study.study.schema.sections import POISSONS_RATIO
 
 
 def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
@@ -29,7 +26,7 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
         material = found.get("material", {})
         if "youngs_modulus" in material:
             raise InputError("material.youngs_modulus: elasticity is an object with its modulus; leave it out")
-        for name in _CONSTANTS:
+        for name in ("youngs_modulus", "poissons_ratio"):
             if f"material.{name}" in found.get("sweep", {}):
                 raise InputError(f"sweep.material.{name}: elasticity is an object of one material")
         constants = _constants(solid, material)
@@ -40,11 +37,9 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
 
 def _object(section: Any, tag: str, kind: type) -> tuple[Any, dict[str, Any]]:
     """The object that a section is, or names, and the keys beside it; None without one."""
-    if isinstance(section, kind):
-        return section, {}
     if isinstance(section, Mapping) and isinstance(section.get(tag), kind):
         return section[tag], {name: value for name, value in section.items() if name != tag}
-    return None, {}
+    return section if isinstance(section, kind) else None, {}
 
 
 def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> dict[str, Any]:
@@ -71,10 +66,9 @@ def _keys_of_solid(solid: Elasticity, poissons_ratio: float) -> dict[str, Any]:
 
 def _constants(solid: Elasticity, material: Mapping[str, Any]) -> dict[str, float]:
     """E and ν of a solid, ν its own or the material's."""
-    given = material.get("poissons_ratio")
-    ratio = getattr(solid, "poissons_ratio", None)
+    given, ratio = material.get("poissons_ratio"), getattr(solid, "poissons_ratio", None)
     if given is not None:
-        said = keys_of(MaterialSection)["poissons_ratio"].read(given, "material.poissons_ratio")
+        said = POISSONS_RATIO[0](given, "material.poissons_ratio")
         if ratio not in (None, said):
             raise InputError(f"material.poissons_ratio = {given!r}: the solid's is {ratio:g}; leave it out")
         ratio = said

@@ -1,30 +1,16 @@
 """The sections of a study file: every key with its unit, default and meaning, in SI once bound."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import is_a, unit_of
 from contact_study.physics.roughness.spectrum import TabulatedSpectrum
-from contact_study.study.schema.keys import (
-    FACTOR,
-    FLAG,
-    METRES,
-    PASCALS,
-    PER_METRE,
-    SECONDS,
-    SHARE,
-    TEXT,
-    choice,
-    choices,
-    integer,
-    key,
-    one_or_several,
-    pair,
-    quantity,
-    sequence,
-)
+from contact_study.study.schema import keys
+from contact_study.study.schema.keys import FACTOR, FLAG, METRES, PASCALS, SECONDS, SHARE, TEXT, choice, key, quantity
+
+POISSONS_RATIO = quantity("1", minimum=-0.999, maximum=0.5)
 
 
 @dataclass(frozen=True)
@@ -39,7 +25,7 @@ class MaterialSection:
     """The elastic block."""
 
     youngs_modulus: float = key(PASCALS, "Young's modulus E")
-    poissons_ratio: float = key(quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio ν")
+    poissons_ratio: float = key(POISSONS_RATIO, "Poisson's ratio ν")
     lattice_constant: float | None = key(
         METRES, "lattice constant a of the block; divides surface.size (atoms, well_depth)", None
     )
@@ -61,7 +47,7 @@ class LoadingSection:
     """The loading path, from separation, in the order given."""
 
     path: tuple[float, ...] = key(
-        sequence((lambda value, name: value, "pressures or gaps")),
+        keys.sequence((lambda value, name: value, "pressures or gaps")),
         "pressures (Pa), forces (with unit, N), mean gaps above equilibrium or approaches (m)",
     )
     control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
@@ -70,11 +56,15 @@ class LoadingSection:
     resolution: float = key(
         SHARE, "least adaptive step over the largest value of the path, or over 5 lengths of the law", 0.01
     )
-
     duration: float | tuple[float, ...] | None = key(
-        one_or_several(SECONDS), "time to each point of the path from the previous one, or a list (viscoelastic)", None
+        keys.one_or_several(SECONDS),
+        "time to each point of the path from the previous one, or a list (viscoelastic)",
+        None,
     )
-    time_steps: int = key(integer(1, 1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1)
+    time_steps: int = key(keys.integer(1, 1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1)
+    has_forces: bool = field(init=False, repr=False, compare=False)  # a path of forces (N), before :meth:`spread`
+    # Name, and size in SI, of the unit that the path's first point is written in: to speak to the user in it.
+    unit: tuple[str, float] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         si = "m" if self.control != "pressure" else "N" if is_a(self.path[0], "N") else "Pa"
@@ -85,26 +75,14 @@ class LoadingSection:
             bare = self.path[with_unit.index(False)]
             raise InputError(f"loading.path: mixes values with a unit and bare numbers; give {bare!r} its unit, too")
         unit = unit_of(str(self.path[0])) if all(with_unit) else si
-        self.__dict__["_unit"] = unit, read(f"1 {unit}", "loading.path")
-        self.__dict__["_forces"] = si == "N"
-        object.__setattr__(self, "path", values)
-
-    @property
-    def has_forces(self) -> bool:
-        """True for a path of forces (N), before :meth:`spread`."""
-        return self.__dict__["_forces"]
+        self.__dict__.update(path=values, has_forces=si == "N", unit=(unit, read(f"1 {unit}", "loading.path")))
 
     def spread(self, area: float) -> "LoadingSection":
         """The same with mean pressures on an area (m²) in place of forces."""
         found = replace(self, path=tuple(force / area for force in self.path))
         name, size = self.unit
-        found.__dict__["_unit"] = name, size / area
+        found.__dict__["unit"] = name, size / area
         return found
-
-    @property
-    def unit(self) -> tuple[str, float]:
-        """Name, and size in SI, of the unit that the path's first point is written in: to speak to the user in it."""
-        return self.__dict__["_unit"]
 
 
 @dataclass(frozen=True)
@@ -116,8 +94,8 @@ class SolverSection:
         "largest residual stress over the contact modulus, less for loads below 0.001 of it",
         1e-8,
     )
-    max_iterations: int = key(integer(1, 2**31 - 1), "outer iterations of one step before it is flagged", 2000)
-    threads: int = key(integer(0, 1024), "threads of one solve; 0: the cores that the cases leave idle", 0)
+    max_iterations: int = key(keys.integer(1, 2**31 - 1), "outer iterations of one step before it is flagged", 2000)
+    threads: int = key(keys.integer(0, 1024), "threads of one solve; 0: the cores that the cases leave idle", 0)
     path: str = key(
         choice("quasi_static", "overdamped"),
         "path of the continuum: successive equilibria, or slow motion against friction",
@@ -147,8 +125,8 @@ class AtomisticSection:
         "cutoff of the pair potential in units of interaction.length",
         4.0,
     )
-    layers: int = key(integer(0, 1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
-    random_seed: int = key(integer(0, 2**63 - 1), "seed of thermal motion", 1)
+    layers: int = key(keys.integer(0, 1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
+    random_seed: int = key(keys.integer(0, 2**63 - 1), "seed of thermal motion", 1)
 
 
 @dataclass(frozen=True)
@@ -165,9 +143,9 @@ class OverdampedSection:
 class SamplingSection:
     """Thermal averages of the atoms, by Hamiltonian Monte Carlo."""
 
-    trajectories: int = key(integer(2, 2**31 - 1), "states of each point that count", 300)
+    trajectories: int = key(keys.integer(2, 2**31 - 1), "states of each point that count", 300)
     equilibration: int = key(
-        integer(10, 2**31 - 1), "trajectories before them, which set the time step and do not count", 50
+        keys.integer(10, 2**31 - 1), "trajectories before them, which set the time step and do not count", 50
     )
 
 
@@ -179,7 +157,7 @@ class DynamicsSection:
     duration: float = key(SECONDS, "of each point of the path", 1e-10)
     damping: float = key(quantity("s^-1", minimum=0.0), "rate at which friction takes momentum", 0.0)
     approach_speed: float = key(quantity("m/s", minimum=0.0), "at which the block first comes down", 0.0)
-    frames: int = key(integer(2, 2**31 - 1), "states of each point that are looked at", 200)
+    frames: int = key(keys.integer(2, 2**31 - 1), "states of each point that are looked at", 200)
 
 
 @dataclass(frozen=True)
@@ -187,18 +165,20 @@ class TheorySection:
     """Persson's theory, the theories beside it and the spectrum that they take."""
 
     flows: str | tuple[str, ...] = key(
-        choices("gap_flow", "edge_flow", "none"),
+        keys.choices("gap_flow", "edge_flow", "none"),
         "theories beside Persson's; most of the time goes into them",
         ("gap_flow", "edge_flow"),
     )
     spectrum: str | tuple[str, ...] | None = key(
-        choices("analytic", "surface", "table", "file"),
+        keys.choices("analytic", "surface", "table", "file"),
         "roughness spectrum of the theories, or several; default the surface's and its target",
         None,
     )
-    wavevectors: tuple[float, ...] | None = key(sequence(PER_METRE), 'spectrum "table": rising wavevectors q', None)
+    wavevectors: tuple[float, ...] | None = key(
+        keys.sequence(keys.PER_METRE), 'spectrum "table": rising wavevectors q', None
+    )
     density: tuple[float, ...] | None = key(
-        sequence(quantity("m^4", positive=True)), 'spectrum "table": C(q) at each, a power law between two', None
+        keys.sequence(quantity("m^4", positive=True)), 'spectrum "table": C(q) at each, a power law between two', None
     )
     spectrum_path: str | None = key(
         TEXT, 'spectrum "file": text with q and C(q) a row, or NetCDF; the study then holds its numbers', None
@@ -215,7 +195,9 @@ class TheorySection:
     alpha: float = key(FACTOR, "α in σ_a² = α E* q γ_eff", 1.0)
     cap_detachment_stress: bool = key(FLAG, "limit σ_a to the law's largest tensile stress", False)
     magnifications: int = key(
-        integer(0, 10_000), "magnifications ζ at which P(σ, ζ) of Persson's theory is kept, evenly in ln ζ; 0: none", 0
+        keys.integer(0, 10_000),
+        "magnifications ζ at which P(σ, ζ) of Persson's theory is kept, evenly in ln ζ; 0: none",
+        0,
     )
     accuracy: float | None = key(
         FACTOR, "relative error of area and mean gap that warns, by states of half the resolution", None
@@ -235,14 +217,14 @@ class TheorySection:
             for name in ("wavevectors", "density"):
                 if getattr(self, name) is None:
                     raise InputError(f'missing key theory.{name}: theory.spectrum = "table" needs it')
-            self.table()
+            try:
+                self.table()
+            except ValueError as error:
+                raise InputError(f"theory.{error}") from None
 
     def table(self) -> TabulatedSpectrum:
-        """The spectrum of the table; InputError if it is none."""
-        try:
-            return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
-        except ValueError as error:
-            raise InputError(f"theory.{error}") from None
+        """C(q) of the table."""
+        return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
 
     def has(self, flow: str) -> bool:
         """Test whether a theory is solved beside Persson's."""
@@ -260,7 +242,9 @@ class OutputSection:
 
     fields: bool = key(FLAG, "keep gap and pressure fields of every step", False)
     field_steps: tuple[int, ...] | None = key(
-        sequence(integer()), "points of the path whose fields are kept, from 0 on, -1 for the last; default all", None
+        keys.sequence(keys.integer()),
+        "points of the path whose fields are kept, from 0 on, -1 for the last; default all",
+        None,
     )
     field_precision: str = key(
         choice("double", "single"), "digits of the fields that are kept: 16, or 7 in half the space", "double"
@@ -273,15 +257,17 @@ class OutputSection:
     stiffness: bool = key(FLAG, "contact_stiffness of every step of the continuum, by one linear solve more", False)
     restart: bool = key(FLAG, "keep the last state of each case, from which --resume lengthens its path", True)
     pressure_range: tuple[float, float] | None = key(
-        pair(quantity("Pa"), names="[low, high]"), "range of pressure_pdf, default from modulus, slopes and law", None
+        keys.pair(quantity("Pa"), names="[low, high]"),
+        "range of pressure_pdf, default from modulus, slopes and law",
+        None,
     )
-    pressure_bins: int = key(integer(2, 100_000), "bins of pressure_pdf", 300)
+    pressure_bins: int = key(keys.integer(2, 100_000), "bins of pressure_pdf", 300)
     gap_range: tuple[float, float] | None = key(
-        pair(quantity("m", minimum=0.0), names="[low, high]"),
+        keys.pair(quantity("m", minimum=0.0), names="[low, high]"),
         "range of gap_pdf, default from the surface's heights",
         None,
     )
-    gap_bins: int = key(integer(2, 100_000), "bins of gap_pdf", 400)
+    gap_bins: int = key(keys.integer(2, 100_000), "bins of gap_pdf", 400)
 
     def __post_init__(self):
         for name, default in (("field_steps", None), ("field_precision", "double")):

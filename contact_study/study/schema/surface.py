@@ -11,31 +11,16 @@ import numpy as np
 from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, TabulatedSpectrum
+from contact_study.physics.surfaces import surface as made
 from contact_study.physics.surfaces.surface import (
     BandLimitedSurface,
     MeasuredMap,
-    Paraboloid,
     Surface,
     SurfaceScales,
-    gaussian_peak_to_valley,
-    gaussian_surface,
-    paraboloid_waves,
-    prepared_map,
     spectrum_of_waves,
 )
-from contact_study.study.schema.keys import (
-    FACTOR,
-    METRES,
-    NAME_OR_NUMBER,
-    SHARE,
-    TEXT,
-    TaggedUnion,
-    choice,
-    integer,
-    key,
-    pair,
-    quantity,
-)
+from contact_study.study.schema import keys
+from contact_study.study.schema.keys import FACTOR, METRES, TEXT, choice, integer, key, pair, quantity
 
 _POINTS = pair(integer(4, 2**31 - 1))
 _SIZE = pair(METRES, broadcast=True), "lateral periods (a height map may bring its own)"
@@ -46,8 +31,7 @@ _SHAPE = _POINTS, "points of the continuum grid (a height map may bring its own)
 class SurfaceSection(ABC):
     """The rigid rough surface; heights point toward the block. A kind declares its keys as fields and checks them.
 
-    Relative paths of the study start in the ``directory`` of its methods, which raise InputError if a height map cannot
-    be read or used.
+    Relative paths start in ``directory``; methods raise InputError if a height map cannot be read or used.
     """
 
     # The surface in a sentence; names in braces are replaced by the values of keys, or their phrases.
@@ -70,14 +54,9 @@ class SurfaceSection(ABC):
     def scales(self, directory: Path) -> SurfaceScales:
         """Scales of heights and slopes by the study alone."""
 
-    @property
-    def stated_cell(self) -> tuple[float, float] | None:
-        """Periods along y and x (m) as far as the study alone tells them."""
-        return self.size
-
     def cell(self, directory: Path) -> tuple[float, float] | None:
         """Periods along y and x (m), None if they are not known."""
-        return self.stated_cell
+        return self.size
 
     @property
     def map_path(self) -> str | None:
@@ -151,12 +130,12 @@ class SelfAffine(CellSection):
 
     def realise(self, directory: Path) -> Surface:
         exact = self.normalisation == "realised"
-        return gaussian_surface(self.target_spectrum, self.size, self.shape, self.seed, exact)
+        return made.gaussian_surface(self.target_spectrum, self.size, self.shape, self.seed, exact)
 
     def scales(self, directory: Path) -> SurfaceScales:
         spectrum, shortest = self.target_spectrum, 2 * np.pi / self.target_spectrum.cutoff
         height, slope = spectrum.rms_height, spectrum.rms_slope
-        peak = gaussian_peak_to_valley(height, slope, self.size[0] * self.size[1])
+        peak = made.gaussian_peak_to_valley(height, slope, self.size[0] * self.size[1])
         return SurfaceScales(self.size, self.shape, height, slope, peak, shortest, spectrum)
 
 
@@ -176,7 +155,7 @@ class MapFile(SurfaceSection):
 
     path: str = key(TEXT, "height map, relative to the study file: NetCDF, npy, npz, text or an instrument's")
     channel: str | int | None = key(
-        NAME_OR_NUMBER, "name or number, from 0, of the map in a file that holds several", None
+        keys.NAME_OR_NUMBER, "name or number, from 0, of the map in a file that holds several", None
     )
     height_unit: str | None = key(TEXT, "unit of the map's heights where its file does not say, default m", None)
     lateral_unit: str | None = key(
@@ -196,7 +175,7 @@ class MapFile(SurfaceSection):
         "edges: as they are, joined to mirror images (twice the sides) or faded to the mean",
         "periodic",
     )
-    window_share: float = key(SHARE, 'share of each side over which edges = "window" fades them', 0.2)
+    window_share: float = key(keys.SHARE, 'share of each side over which edges = "window" fades them', 0.2)
     resample: tuple[int, int] | None = key(
         _POINTS, "points of the map for all models, by trigonometric interpolation", None
     )
@@ -210,13 +189,10 @@ class MapFile(SurfaceSection):
     def map_path(self) -> str:
         return self.path
 
-    @property
-    def stated_cell(self) -> tuple[float, float] | None:
-        # The file, if it says a size, says the same.
-        return self.size if self.crop is None and self.edges != "mirror" else None
-
     def cell(self, directory: Path) -> tuple[float, float]:
-        return self.stated_cell or self.measured(directory).grid.size
+        # The file, if it says a size, says the same.
+        stated = self.size if self.crop is None and self.edges != "mirror" else None
+        return stated or self.measured(directory).grid.size
 
     def realise(self, directory: Path) -> Surface:
         return self.measured(directory).surface(self.shape)
@@ -235,7 +211,7 @@ class MapFile(SurfaceSection):
 def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> MeasuredMap:
     """Read and prepare a map once for the realisation and the scales; ``state`` identifies the file's content."""
     whole = read_height_map(path, section.height_unit, section.size, section.channel, section.lateral_unit)
-    return prepared_map(path, whole, section)
+    return made.prepared_map(path, whole, section)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -249,7 +225,7 @@ class Sphere(CellSection):
     radius: float = key(METRES, "radius of curvature of the apex")
 
     def realise(self, directory: Path) -> Surface:
-        return Paraboloid(self.size, self.shape, None, self.radius)
+        return made.Paraboloid(self.size, self.shape, None, self.radius)
 
     def scales(self, directory: Path) -> SurfaceScales:
         y2, x2 = self.size[0] ** 2, self.size[1] ** 2
@@ -257,7 +233,7 @@ class Sphere(CellSection):
         height = float(np.sqrt((y2**2 + x2**2) / 180) / (2 * self.radius))
         slope = float(np.sqrt((y2 + x2) / 12) / self.radius)
         peak, curvature = (y2 + x2) / (8 * self.radius), 1 / self.radius
-        spectrum = spectrum_of_waves(*np.hstack([paraboloid_waves(length, self.radius) for length in self.size]))
+        spectrum = spectrum_of_waves(*np.hstack([made.paraboloid_waves(length, self.radius) for length in self.size]))
         return SurfaceScales(self.size, self.shape, height, slope, peak, np.inf, spectrum, apex_curvature=curvature)
 
 
@@ -335,24 +311,20 @@ class AbsentSurface(SurfaceSection):
     wavevectors: tuple[float, ...]
     density: tuple[float, ...]
 
-    @cached_property
-    def table(self) -> TabulatedSpectrum:
-        """C(q)."""
-        return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
-
     def realise(self, directory: Path) -> SpectrumOnly:
         scales = self.scales(directory)
         return SpectrumOnly(scales.size, scales.shape, None)
 
     def scales(self, directory: Path) -> SurfaceScales:
-        longest, shortest = (2 * np.pi / q for q in self.table.limits)
-        height, slope = float(np.sqrt(self.table.mean_square_height)), self.table.rms_slope
+        table = TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
+        longest, shortest = (2 * np.pi / q for q in table.limits)
+        height, slope = float(np.sqrt(table.mean_square_height)), table.rms_slope
         points = 2 * int(np.ceil(longest / shortest)) + 2
-        peak = gaussian_peak_to_valley(height, slope, longest**2)
-        return SurfaceScales((longest, longest), (points, points), height, slope, peak, shortest, self.table)
+        peak = made.gaussian_peak_to_valley(height, slope, longest**2)
+        return SurfaceScales((longest, longest), (points, points), height, slope, peak, shortest, table)
 
 
-SURFACES = TaggedUnion(
+SURFACES = keys.TaggedUnion(
     "kind", {"self_affine": SelfAffine, "file": MapFile, "sphere": Sphere, "wavy": Wavy, "flat": Flat}
 )
 
