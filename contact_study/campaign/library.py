@@ -18,8 +18,7 @@ from contact_study.campaign.run import RunOptions, run_campaign
 from contact_study.campaign.store.files import check_inputs_kept, named_file
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.arguments import field
-from contact_study.study.schema.objects import with_keys
-from contact_study.study.study import Study, make_study, read_study
+from contact_study.study.study import Study, make_study, read_study, with_keys
 
 _HEIGHTS = "heights.npy"
 

@@ -1,4 +1,1 @@
-"""Input from outside: units, files, plug-ins, and the error that names what cannot be used.
-
-No keys of a study and no physics.
-"""
+"""Input from outside: units, files, plug-ins, and the error that names what cannot be used."""

@@ -1,8 +1,6 @@
-"""Laws, solids, surfaces and observables from outside: modules that installed packages name as plug-ins.
+"""Plug-ins: modules that call :func:`contact_study.register_law` and its like when they are imported.
 
-A plug-in is a module that calls :func:`contact_study.register_law` and its like when it is imported. A package names it
-under the entry points ``contact_study.plugins``; it then works in every command and on every worker. A script
-that registers at its top level needs no entry point.
+A package names them under the entry points ``contact_study.plugins``; they then work in every command and worker.
 """
 
 from contact_study.inputs.errors import InputError
@@ -12,10 +10,7 @@ _loaded = False
 
 
 def load() -> None:
-    """Import the plug-ins of installed packages, once.
-
-    Raises InputError if one cannot be imported.
-    """
+    """Import the plug-ins of installed packages, once; InputError if one cannot be imported."""
     global _loaded
     if _loaded:
         return

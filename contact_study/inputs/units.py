@@ -27,7 +27,6 @@ _DECIMAL_COMMA = re.compile(
     r"(?<![\w.,])(?<![eE][+-])(?P<whole>[+-]?\d+),(?P<rest>\d+(?:[eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\W\d].*)"
 )
 
-
 # Everyday units by the SI unit of their kind, each as pint converts it to the last bit: pint takes 0.3 s to import.
 _COMMON = {
     "m": {
@@ -60,8 +59,7 @@ def _registry() -> Any:
 def quantity(value: Any, unit: str, name: str) -> float:
     """Convert a number in SI, or a string with a unit, such as ``"10 angstrom"``, to an SI float.
 
-    ``unit`` is the SI unit, ``"1"`` for a pure number, ``name`` the key for messages. Raises InputError if the value is
-    no finite number of a sensible size or has another dimension.
+    ``unit`` is ``"1"`` for a pure number; InputError if the value is no finite number of a sensible size and that unit.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{name} = {value!r}: expected {_expected(unit)}")
@@ -81,7 +79,7 @@ def quantity(value: Any, unit: str, name: str) -> float:
 
 def unit_of(text: str) -> str:
     """Return the unit of a string such as ``"0.1 GPa"`` as it is written."""
-    return _split(text)[1]
+    return _parts(text)[1]
 
 
 def refuse_decimal_comma(text: str, name: str) -> None:
@@ -98,9 +96,9 @@ def is_a(value: Any, unit: str) -> bool:
     """Test whether a value is a string with a unit of the same kind as another unit."""
     if not isinstance(value, str):
         return False
-    match = _QUANTITY.fullmatch(value[:_LONGEST])
-    if match and any(match["unit"] in known for known in _COMMON.values()):
-        return match["unit"] in _COMMON.get(unit, ())
+    written = _parts(value)[1]
+    if any(written in known for known in _COMMON.values()):
+        return written in _COMMON.get(unit, ())
     with contextlib.suppress(InputError):
         quantity(value, unit, "")
         return True
@@ -123,29 +121,27 @@ def _suited(values: Sequence[float], known: Sequence[tuple[float, str]], digits:
     return " x ".join(f"{value / size:.{digits}g}" for value in values) + f" {unit}"
 
 
-def _split(text: str) -> tuple[str, str]:
-    """Number and unit; ValueError if the text is anything else."""
+def _parts(text: str) -> tuple[str, str]:
+    """Number and unit, empty if the text is anything else."""
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
-    if match is None:
-        raise ValueError(text)
-    return match["number"], match["unit"]
+    return (match["number"], match["unit"]) if match else ("", "")
 
 
 @lru_cache(maxsize=10_000)
 def _from_text(text: str, unit: str, name: str) -> float:
     refuse_decimal_comma(text, name)
-    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
-    if match and (factor := _COMMON.get(unit, {}).get(match["unit"])):
-        return float(match["number"]) * factor
+    number, written = _parts(text)
+    if factor := _COMMON.get(unit, {}).get(written):
+        return float(number) * factor
     import pint  # slow to import
 
     try:
-        number, written = _split(text)
+        size = float(number)
         if unit == "1" and written:
             raise InputError(f"{name} = {text!r}: must be a pure number, without a unit")
         if unit != "1" and not written:
             raise InputError(f"{name} = {text!r}: has no unit; expected {_expected(unit)}")
-        return float(_registry().Quantity(float(number), written).to("" if unit == "1" else unit).magnitude)
+        return float(_registry().Quantity(size, written).to("" if unit == "1" else unit).magnitude)
     except pint.DimensionalityError as error:
         raise InputError(
             f"{name} = {text!r}: a unit of {error.units1} cannot be converted; expected {_expected(unit)}"

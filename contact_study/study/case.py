@@ -74,9 +74,8 @@ class Case:
         """Raise InputError if a prescribed mean gap is not positive; that of a driven block is another distance."""
         above, distance = min(self.loading.path), self.law.equilibrium_distance
         # Only a wall can be met everywhere, at a mean gap of zero.
-        if self.loading.control == "gap" and (
-            above + distance < 0 or (above + distance == 0 and not self.law.has_wall)
-        ):
+        met = above + distance < 0 or (above + distance == 0 and not self.law.has_wall)
+        if self.loading.control == "gap" and met:
             raise InputError(
                 f"loading.path: a mean gap of {above:g} m above the equilibrium distance, {distance:g} m, leaves no "
                 "gap between the surfaces"
@@ -127,8 +126,8 @@ class Case:
     @property
     def durations(self) -> list[float]:
         """Time to each point of :attr:`path` from the one before it (s), of a viscoelastic solid."""
-        given, points = self.loading.duration, len(self.loading.path)
-        there = list(given) if isinstance(given, tuple) else [given or 0.0] * points
+        given = self.loading.duration
+        there = list(given) if isinstance(given, tuple) else [given or 0.0] * len(self.loading.path)
         # The way back takes each interval as long as the way there.
         return there + there[:0:-1] if self.loading.unload else there
 
@@ -140,12 +139,9 @@ class Case:
     @cached_property
     def kept_fields(self) -> frozenset[int]:
         """Numbers of the points of the path whose fields are kept."""
-        points = range(len(self.path))
-        if not self.output.fields:
-            return frozenset()
-        if self.output.field_steps is None:
-            return frozenset(points)
-        return frozenset(points[number] for number in self.output.field_steps if -len(points) <= number < len(points))
+        points = range(len(self.path)) if self.output.fields else range(0)
+        asked = points if self.output.field_steps is None else self.output.field_steps
+        return frozenset(points[number] for number in asked if -len(points) <= number < len(points))
 
     @cached_property
     def scales(self) -> SurfaceScales:

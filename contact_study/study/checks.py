@@ -98,13 +98,10 @@ def _slope(case: Case) -> _Judged:
 
 
 def _load(case: Case) -> _Judged:
-    share = _applied(case) / case.solid.contact_modulus
-    words = (
-        f"loading.path: a pressure of {stress(_applied(case))} is {share:.2g} times the contact modulus, "
-        f"{stress(case.solid.contact_modulus)}",
-        "; are the units of loading.path and material.youngs_modulus right?",
-    )
-    return share, words, None
+    applied, modulus = _applied(case), case.solid.contact_modulus
+    share = f"is {applied / modulus:.2g} times the contact modulus, {stress(modulus)}"
+    doubt = "; are the units of loading.path and material.youngs_modulus right?"
+    return applied / modulus, (f"loading.path: a pressure of {stress(applied)} {share}", doubt), None
 
 
 def _softness(case: Case) -> _Judged:
@@ -123,11 +120,8 @@ def _softness(case: Case) -> _Judged:
 
 def _residual(case: Case) -> _Judged:
     left, peak = case.solver.tolerance * case.solid.contact_modulus, case.law.peak_tensile_stress
-    words = (
-        f"interaction: the law's peak, {peak:.3g} Pa, is below the residual stress that solver.tolerance leaves, "
-        f"{left:.3g} Pa",
-        ": adhesion is not resolved; use a smaller tolerance",
-    )
+    weak = f"interaction: the law's peak, {peak:.3g} Pa, is below the residual stress that solver.tolerance leaves"
+    words = f"{weak}, {left:.3g} Pa", ": adhesion is not resolved; use a smaller tolerance"
     return 2.0 if peak < left else 0.0, words, None
 
 
@@ -187,10 +181,8 @@ def described(roughness: Roughness) -> list[str]:
         f"({roughness.edge_ratio:.3g} times that of neighbouring lines)",
     ]
     if fit is not None:
-        lines.append(
-            f"spectrum: {law_in_words(fit)} between wavelengths of {length(2 * np.pi / fit.roll_off)} and "
-            f"{length(2 * np.pi / fit.cutoff)}"
-        )
+        long, short = (length(2 * np.pi / q) for q in (fit.roll_off, fit.cutoff))
+        lines.append(f"spectrum: {law_in_words(fit)} between wavelengths of {long} and {short}")
     return lines
 
 
@@ -250,28 +242,23 @@ def describe_maps(cases: Sequence[Case]) -> list[str]:
 
 def idle_keys(cases: Sequence[Case]) -> list[str]:
     """One line for each reason why keys of some cases are without effect."""
-    names = ("work_of_adhesion", "well_depth", "length", "contact_distance")
+    names, notes = ("work_of_adhesion", "well_depth", "length", "contact_distance"), []
     walls = [case.interaction for case in cases if case.law.has_wall and not case.law.attracts]
     without = [f"interaction.{name}" for name in names if any(getattr(wall, name) is not None for wall in walls)]
-    notes = [
-        f'{", ".join(without)}: without effect where interaction.law = "{wall.law}", which neither attracts nor reaches'
-        for wall in walls[:1]
-        if without
-    ]
-    for name, default, is_used, belongs in (
-        ("adaptive", False, lambda case: case.law.attracts, "laws that attract"),
-        ("resolution", LoadingSection.resolution, lambda case: case.loading.adaptive, "loading.adaptive = true"),
-        (
-            "time_steps",
-            LoadingSection.time_steps,
-            lambda case: isinstance(case.solid, Viscoelastic),
-            'elasticity.kind = "viscoelastic"',
-        ),
+    if without:
+        why = f'where interaction.law = "{walls[0].law}", which neither attracts nor reaches'
+        notes.append(f"{', '.join(without)}: without effect {why}")
+    viscoelastic = 'elasticity.kind = "viscoelastic"'
+    for said, is_used, belongs in (
+        ("adaptive = true", lambda case: case.law.attracts, "laws that attract"),
+        ("resolution", lambda case: case.loading.adaptive, "loading.adaptive = true"),
+        ("time_steps", lambda case: isinstance(case.solid, Viscoelastic), viscoelastic),
     ):
+        name = said.partition(" ")[0]
+        default = getattr(LoadingSection, name)
         idle = [case for case in cases if getattr(case.loading, name) != default and not is_used(case)]
         if idle:
-            said = f"loading.{name} = true" if default is False else f"loading.{name}"
-            notes.append(f"{said}: without effect{points(idle, len(cases))}; it belongs to {belongs}")
+            notes.append(f"loading.{said}: without effect{points(idle, len(cases))}; it belongs to {belongs}")
     return notes
 
 

@@ -1,5 +1,6 @@
 """A study file: read, checked and expanded into cases."""
 
+import itertools
 import math
 import tomllib
 from collections.abc import Mapping
@@ -14,14 +15,17 @@ from contact_study.inputs import plugins
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
 from contact_study.inputs.units import length
-from contact_study.physics.laws import LAWS
+from contact_study.physics.laws import LAWS, TractionLaw
+from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.physics.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
 from contact_study.study import sweep
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, bare_numbers, is_sweep, replace_keys
-from contact_study.study.schema.interaction import AUTO, LENGTH, InteractionSection
+from contact_study.study.schema.elasticity import ELASTICITIES
+from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH, InteractionSection
 from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
+from contact_study.study.schema.sections import POISSONS_RATIO
 from contact_study.study.schema.surface import AbsentSurface, SurfaceSection
 from contact_study.study.tables import TABLE, with_columns, with_spectrum
 
@@ -131,11 +135,12 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
             columns = getattr(declared.section_of(table[section]), "columns", {})
             table[section] = with_columns(table[section], section, columns, folder)
     swept = table.get("sweep", {})
-    points = list(sweep.points_of(swept))
-    merged = sweep.sections_at(table, [point for point, _ in points])
+    places = list(itertools.product(*(range(len(values)) for values in swept.values())))  # the last key runs fastest
+    points = [{key: swept[key][i] for key, i in zip(swept, place, strict=True)} for place in places]
+    merged = sweep.sections_at(table, points)
     scales: dict[SurfaceSection, SurfaceScales] = {}
     choices: dict[str, None] = {}
-    cases = tuple(_case(one, *point, folder, scales, choices) for one, point in zip(merged, points, strict=True))
+    cases = tuple(_case(*each, folder, scales, choices) for each in zip(merged, points, places, strict=True))
     longest = max(len(case.path) for case in cases)
     for number in cases[0].output.field_steps or ():
         if not -longest <= number < longest:
@@ -220,3 +225,69 @@ def _with_length(
     )
     words = f'range of adhesion ({LENGTH} = "{AUTO}"): {length(longest)}, {why}; Tabor parameter {tabor:.2g}: JKR-like'
     return replace(given, length=longest), words
+
+
+def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
+    """Replace laws and solids among the sections of a study by keys.
+
+    ``interaction``, or its ``law``, may be a :class:`TractionLaw`; ``elasticity``, or its ``kind``, an
+    :class:`Elasticity`, whose contact modulus then is the material's.
+    """
+    found = dict(study)
+    law, beside = _object(found.get("interaction"), "law", TractionLaw)
+    if law is not None:
+        found["interaction"] = _joined("interaction", _keys_of_law(law), beside)
+    solid, beside = _object(found.get("elasticity"), "kind", Elasticity)
+    if solid is not None:
+        material = found.get("material", {})
+        if "youngs_modulus" in material:
+            raise InputError("material.youngs_modulus: elasticity is an object with its modulus; leave it out")
+        for name in ("youngs_modulus", "poissons_ratio"):
+            if f"material.{name}" in found.get("sweep", {}):
+                raise InputError(f"sweep.material.{name}: elasticity is an object of one material")
+        constants = _constants(solid, material)
+        found["elasticity"] = _joined("elasticity", _keys_of_solid(solid, constants["poissons_ratio"]), beside)
+        found["material"] = {**material, **constants}
+    return found
+
+
+def _object(section: Any, tag: str, kind: type) -> tuple[Any, dict[str, Any]]:
+    """The object that a section is, or names, and the keys beside it; None without one."""
+    if isinstance(section, Mapping) and isinstance(section.get(tag), kind):
+        return section[tag], {name: value for name, value in section.items() if name != tag}
+    return section if isinstance(section, kind) else None, {}
+
+
+def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> dict[str, Any]:
+    if twice := [name for name in beside if name in own]:
+        raise InputError(f"{section}.{twice[0]}: the object in this section has its own; leave it out")
+    return {**own, **beside}
+
+
+def _keys_of_law(law: TractionLaw) -> dict[str, Any]:
+    for name, known in LAWS.items():
+        if type(law) is known:
+            return {"law": name, **INTERACTIONS.declared[name].keys_from(law)}
+    raise InputError(
+        f"interaction: {type(law).__name__} is no law of a study; pass TabulatedLaw.through(gaps, law.traction(gaps))"
+    )
+
+
+def _keys_of_solid(solid: Elasticity, poissons_ratio: float) -> dict[str, Any]:
+    for kind, section in ELASTICITIES.declared.items():
+        if section.makes is type(solid):
+            return {"kind": kind, **section.keys_from(solid, poissons_ratio)}
+    raise InputError(f"elasticity: no keys of a study make a {type(solid).__name__}; use rough_contact")
+
+
+def _constants(solid: Elasticity, material: Mapping[str, Any]) -> dict[str, float]:
+    """E and ν of a solid, ν its own or the material's."""
+    given, ratio = material.get("poissons_ratio"), getattr(solid, "poissons_ratio", None)
+    if given is not None:
+        said = POISSONS_RATIO[0](given, "material.poissons_ratio")
+        if ratio not in (None, said):
+            raise InputError(f"material.poissons_ratio = {given!r}: the solid's is {ratio:g}; leave it out")
+        ratio = said
+    if ratio is None:
+        raise InputError(f"missing key material.poissons_ratio: {type(solid).__name__} has a contact modulus alone")
+    return {"youngs_modulus": solid.contact_modulus * (1 - ratio**2), "poissons_ratio": ratio}

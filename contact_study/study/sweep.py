@@ -1,7 +1,7 @@
 """The points of a study's sweep, and the exceptions, ``[[override]]``, that single points make."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,12 +59,6 @@ def check(table: dict[str, Any]) -> None:
                 raise InputError(f"override: {dotted} is swept; an override may change other keys only")
             if dotted.partition(".")[0] in WHOLE_STUDY:
                 raise InputError(f"override: {dotted} is one for the whole study and cannot differ between points")
-
-
-def points_of(swept: dict[str, list[Any]]) -> Iterator[tuple[dict[str, Any], tuple[int, ...]]]:
-    """Values by dotted key, and index along each key, of every point; the last key runs fastest."""
-    for index in itertools.product(*(range(len(values)) for values in swept.values())):
-        yield {dotted: values[i] for (dotted, values), i in zip(swept.items(), index, strict=True)}, index
 
 
 def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -15,7 +15,7 @@ from bem_adhesion import HalfSpace, Layer, Layered, LennardJones104, Measured, T
 from contact_study import make_study, run, start
 from contact_study.campaign.library import _plain
 from contact_study.numerics.grid import Grid
-from contact_study.study.schema.objects import with_keys
+from contact_study.study.study import with_keys
 from tests.laws_of_all_kinds import EVERY_LAW
 
 STUDY = tomllib.loads("""

@@ -119,7 +119,7 @@ def bare_numbers(table: Mapping[str, Any]) -> tuple[str, ...]:
         unit = keys_of(SECTIONS[section])[name].unit
         if dotted == "loading.path":
             unit = "Pa" if table["loading"].get("control", "pressure") == "pressure" else "m"
-        number = next(_numbers(value), None)
+        number = _number(value)
         if unit is not None and number is not None:
             found[dotted] = f"{dotted} = {number!r} is {number!r} {unit}"
     if not found:
@@ -129,10 +129,8 @@ def bare_numbers(table: Mapping[str, Any]) -> tuple[str, ...]:
     return (f'numbers without a unit are taken in SI: {shown}{more}; write the unit, as in "2 GPa" or "10 um"',)
 
 
-def _numbers(value: Any) -> Iterator[int | float]:
-    """The numbers of a value but for zero, which is the same in every unit."""
+def _number(value: Any) -> int | float | None:
+    """The first number of a value but for zero, which is the same in every unit."""
     if isinstance(value, list):
-        for item in value:
-            yield from _numbers(item)
-    elif isinstance(value, int | float) and not isinstance(value, bool) and value != 0:
-        yield value
+        return next((number for item in value if (number := _number(item)) is not None), None)
+    return value if isinstance(value, int | float) and not isinstance(value, bool) and value != 0 else None

@@ -198,30 +198,4 @@ ELASTICITIES = keys.TaggedUnion(
         "viscoelastic": ViscoelasticSection,
     },
 )
-
-
-def register_solid(kind: str, section: type[ElasticitySection]) -> None:
-    """Make an elastic solid from outside the package known to studies.
-
-    Parameters
-    ----------
-    kind : str
-        Its name in a study, ``elasticity.kind = kind``.
-    section : type
-        Frozen dataclass of its keys, whose method ``solid`` makes the solid of a material.
-
-    Returns
-    -------
-    None
-
-    Raises
-    ------
-    ValueError
-        If there is another solid of that name, or a key is taken for another unit.
-
-    Examples
-    --------
-    >>> import contact_study
-    >>> contact_study.register_solid("stiff", StiffSection)  # doctest: +SKIP
-    """
-    ELASTICITIES.register(kind, section)
+register_solid = ELASTICITIES.register

@@ -1,10 +1,9 @@
 """Keys of a study file: how each is read, checked and described, in one declaration beside the dataclass field."""
 
 import contextlib
-import dataclasses
 import difflib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -29,9 +28,9 @@ class Key:
         return unit if unit in units.EXAMPLES else None
 
 
-def key(reader: Reader, description: str, default: Any = dataclasses.MISSING) -> Any:
+def key(reader: Reader, description: str, default: Any = MISSING) -> Any:
     """A dataclass field bound to a key of the study file; without a default the key must be given."""
-    return dataclasses.field(default=default, metadata={"key": Key(*reader, description)})
+    return field(default=default, metadata={"key": Key(*reader, description)})
 
 
 def quantity(
@@ -129,7 +128,7 @@ def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> R
 
     def read(value: Any, name: str) -> tuple[Any, Any]:
         if isinstance(value, str) and "," in value:
-            value = _parts(value, name)
+            value = listed(value, name)
         if broadcast and not isinstance(value, list):
             value = [value, value]
         if not isinstance(value, list) or len(value) != 2:
@@ -144,7 +143,7 @@ def sequence(reader: Reader) -> Reader:
     read_one, kind = reader
 
     def read(value: Any, name: str) -> tuple[Any, ...]:
-        given = _parts(value, name) if isinstance(value, str) else value if isinstance(value, list) else [value]
+        given = listed(value, name) if isinstance(value, str) else value if isinstance(value, list) else [value]
         if not given:
             raise InputError(f"{name} = []: is empty; give at least one value")
         return tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(given))
@@ -164,13 +163,10 @@ def one_or_several(reader: Reader) -> Reader:
     return read, f"{kind} or a list"
 
 
-def _parts(text: str, name: str) -> list[Any]:
-    units.refuse_decimal_comma(text, name)
-    return listed(text)
-
-
-def listed(text: str) -> list[Any]:
+def listed(text: str, name: str = "") -> list[Any]:
     """The values of a list written as text: bare numbers, "512, 512", or each with its unit, "1 nm, 2 um"."""
+    if name:
+        units.refuse_decimal_comma(text, name)
     parts = [part.strip() for part in text.split(",")]
     numbers = [_number(part) for part in parts]
     with_unit = any(isinstance(number, str) and number[:1] in set("+-.0123456789") for number in numbers)
@@ -192,11 +188,35 @@ class TaggedUnion:
     declared: dict[str, Any]  # dataclass of each kind
 
     def register(self, kind: str, section: type) -> None:
-        """Add a kind from outside; ValueError if its name is taken, or one of its keys has another unit elsewhere."""
+        """Make a kind of surface or solid from outside the package known to studies.
+
+        Parameters
+        ----------
+        kind : str
+            Its name in a study, ``surface.kind = kind`` or ``elasticity.kind = kind``.
+        section : type
+            Frozen dataclass of its keys. A surface's methods ``realise`` and ``scales`` give the heights and their
+            scales; a solid's method ``solid`` makes the solid of a material.
+
+        Returns
+        -------
+        None
+
+        Raises
+        ------
+        ValueError
+            If there is another kind of that name, or a key is taken for another unit.
+
+        Examples
+        --------
+        >>> import contact_study
+        >>> contact_study.register_surface("ridge", RidgeSection)  # doctest: +SKIP
+        >>> contact_study.register_solid("stiff", StiffSection)  # doctest: +SKIP
+        """
         if self.declared.get(kind, section) is not section:
             raise ValueError(f"{self.tag} = {kind!r} is {self.declared[kind].__name__}; give another name")
         for name, declaration in keys_of(section).items():
-            known = self.declared and self.keys.get(name)
+            known = self.keys.get(name)
             if known and known.unit != declaration.unit:
                 raise ValueError(f"{kind}: key {name} is in {declaration.unit}, that of other kinds in {known.unit}")
         self.declared[kind] = section
@@ -213,7 +233,7 @@ class TaggedUnion:
         for name, kinds in owners.items():
             first = next(iter(kinds.values()))
             whose = f" ({', '.join(kinds)})" if len(kinds) < len(self.declared) else ""
-            found[name] = dataclasses.replace(first, description=first.description + whose)
+            found[name] = replace(first, description=first.description + whose)
         return {**found, self.tag: Key(*choice(*self.declared), found[self.tag].description)}
 
     def section_of(self, table: Mapping[str, Any]) -> type | None:
@@ -229,7 +249,7 @@ class TaggedUnion:
     def bind(self, table: Mapping[str, Any], name: str) -> Any:
         """The section of the kind that a table names, errors as :func:`bind`."""
         kind, tag = table.get(self.tag, default_of(self, self.tag)), self.keys[self.tag]
-        if kind is dataclasses.MISSING:
+        if kind is MISSING:
             raise InputError(f"missing key {name}.{self.tag} ({tag.kind}: {tag.description})")
         section = self.declared[tag.read(kind, f"{name}.{self.tag}")]
         for given in table:
@@ -239,7 +259,7 @@ class TaggedUnion:
                     + ", ".join(other for other, declared in self.declared.items() if given in keys_of(declared))
                 )
         for needed, declaration in keys_of(section).items():
-            if default_of(section, needed) is dataclasses.MISSING and needed not in table:
+            if default_of(section, needed) is MISSING and needed not in table:
                 raise InputError(
                     f'missing key {name}.{needed}: {self.tag} = "{kind}" needs it '
                     f"({declaration.kind}: {declaration.description})"
@@ -251,11 +271,11 @@ def keys_of(section: type | TaggedUnion) -> dict[str, Key]:
     """The keys of a section, in the order of declaration."""
     if isinstance(section, TaggedUnion):
         return section.keys
-    return {field.name: field.metadata["key"] for field in dataclasses.fields(section) if "key" in field.metadata}
+    return {one.name: one.metadata["key"] for one in fields(section) if "key" in one.metadata}
 
 
 def default_of(section: type | TaggedUnion, name: str) -> Any:
-    """The default of a key, of the first kind that has it; ``dataclasses.MISSING`` if it must be given."""
+    """The default of a key, of the first kind that has it; ``MISSING`` if it must be given."""
     if isinstance(section, TaggedUnion):
         section = next(one for one in section.declared.values() if name in keys_of(one))
     return section.__dataclass_fields__[name].default  # type: ignore[union-attr]
@@ -272,7 +292,7 @@ def bind(section: type | TaggedUnion, table: Mapping[str, Any], name: str) -> An
             raise InputError(f"unknown key {name}.{given}{meant}; known: {', '.join(known)}")
     values = {given: known[given].read(value, f"{name}.{given}") for given, value in table.items()}
     for needed, declaration in known.items():
-        if needed not in values and default_of(section, needed) is dataclasses.MISSING:
+        if needed not in values and default_of(section, needed) is MISSING:
             raise InputError(f"missing key {name}.{needed} ({declaration.kind}: {declaration.description})")
     return section(**values)
 

@@ -327,30 +327,4 @@ class AbsentSurface(SurfaceSection):
 SURFACES = keys.TaggedUnion(
     "kind", {"self_affine": SelfAffine, "file": MapFile, "sphere": Sphere, "wavy": Wavy, "flat": Flat}
 )
-
-
-def register_surface(kind: str, section: type[SurfaceSection]) -> None:
-    """Make a kind of surface from outside the package known to studies.
-
-    Parameters
-    ----------
-    kind : str
-        Its name in a study, ``surface.kind = kind``.
-    section : type
-        Frozen dataclass of its keys, whose methods ``realise`` and ``scales`` give the heights and their scales.
-
-    Returns
-    -------
-    None
-
-    Raises
-    ------
-    ValueError
-        If there is another surface of that name, or a key is taken for another unit.
-
-    Examples
-    --------
-    >>> import contact_study
-    >>> contact_study.register_surface("ridge", RidgeSection)  # doctest: +SKIP
-    """
-    SURFACES.register(kind, section)
+register_surface = SURFACES.register
