@@ -12,13 +12,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, TabulatedSpectrum
 from contact_study.physics.surfaces import surface as made
-from contact_study.physics.surfaces.surface import (
-    BandLimitedSurface,
-    MeasuredMap,
-    Surface,
-    SurfaceScales,
-    spectrum_of_waves,
-)
+from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface, SurfaceScales, spectrum_of_waves
 from contact_study.study.schema import keys
 from contact_study.study.schema.keys import FACTOR, METRES, TEXT, choice, integer, key, pair, quantity
 
@@ -200,7 +194,7 @@ class MapFile(SurfaceSection):
     def scales(self, directory: Path) -> SurfaceScales:
         return self.measured(directory).scales(self.shape, self.lowpass)
 
-    def measured(self, directory: Path) -> MeasuredMap:
+    def measured(self, directory: Path) -> made.MeasuredMap:
         """The map, made ready."""
         path = directory / self.path
         state = path.stat() if path.is_file() else None
@@ -208,7 +202,7 @@ class MapFile(SurfaceSection):
 
 
 @lru_cache(maxsize=2)
-def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> MeasuredMap:
+def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> made.MeasuredMap:
     """Read and prepare a map once for the realisation and the scales; ``state`` identifies the file's content."""
     whole = read_height_map(path, section.height_unit, section.size, section.channel, section.lateral_unit)
     return made.prepared_map(path, whole, section)
