@@ -2,40 +2,28 @@
 
 import numpy as np
 
-from contact_study.physics.laws import (
-    LAWS,
-    Dugdale,
-    DugdaleCore,
-    Exponential,
-    ExponentialCore,
-    HardWall,
-    LennardJones93,
-    LennardJones104,
-    Morse,
-    Repulsive,
-    TabulatedLaw,
-)
+from contact_study.physics import laws
 
 R0 = 3.28e-10
 WORK = 0.69
 
 # What an electronic-structure calculation would give: the 10-4 law at a hundred gaps.
 TABLE_GAPS = R0 * np.concatenate([np.linspace(0.75, 2, 60), np.geomspace(2.05, 8, 40)])
-TABLE_TRACTIONS = LennardJones104(WORK, R0).traction(TABLE_GAPS)
+TABLE_TRACTIONS = laws.LennardJones104(WORK, R0).traction(TABLE_GAPS)
 
 EVERY_LAW = {
-    "lennard_jones_10_4": LennardJones104(WORK, R0),
-    "lennard_jones_9_3": LennardJones93(WORK, R0),
-    "morse": Morse(WORK, R0, 0.6e-10),
-    "exponential_core": ExponentialCore(WORK, R0, 1.74e-10, 0.4e-10),
-    "dugdale_core": DugdaleCore(WORK, R0, 2.4e-10, 0.3e-10, ramp=0.2),
-    "tabulated": TabulatedLaw.through(TABLE_GAPS, TABLE_TRACTIONS),
-    "exponential": Exponential(WORK, 1.74e-10),
-    "dugdale": Dugdale(WORK, 3.66e-10),
-    "repulsive": Repulsive(0.0, R0, WORK),
-    "hard_wall": HardWall(),
+    "lennard_jones_10_4": laws.LennardJones104(WORK, R0),
+    "lennard_jones_9_3": laws.LennardJones93(WORK, R0),
+    "morse": laws.Morse(WORK, R0, 0.6e-10),
+    "exponential_core": laws.ExponentialCore(WORK, R0, 1.74e-10, 0.4e-10),
+    "dugdale_core": laws.DugdaleCore(WORK, R0, 2.4e-10, 0.3e-10, ramp=0.2),
+    "tabulated": laws.TabulatedLaw.through(TABLE_GAPS, TABLE_TRACTIONS),
+    "exponential": laws.Exponential(WORK, 1.74e-10),
+    "dugdale": laws.Dugdale(WORK, 3.66e-10),
+    "repulsive": laws.Repulsive(0.0, R0, WORK),
+    "hard_wall": laws.HardWall(),
 }
-assert EVERY_LAW.keys() == LAWS.keys()
+assert EVERY_LAW.keys() == laws.LAWS.keys()
 ADHESIVE = {name: law for name, law in EVERY_LAW.items() if law.attracts}
 
 # The keys of [interaction] that make these laws.

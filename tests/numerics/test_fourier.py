@@ -22,16 +22,11 @@ def random_field(shape, seed=0):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_variances_of_the_waves_add_up_to_that_of_the_field(shape):
-    field = random_field(shape) + 3.0
-    variances = Grid(shape, (1.0, 2.0)).variances(fourier.transform(field))
+def test_laplacian_of_a_wave_and_variances_of_all(shape):
+    grid, field = Grid(shape, (3.0, 5.0)), random_field(shape) + 3.0
+    variances = grid.variances(fourier.transform(field))
     assert variances[0, 0] == 0.0
     assert np.sum(variances) == pytest.approx(np.var(field), rel=1e-13)  # rounding of a sum of 100 terms
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_laplacian_of_a_wave(shape):
-    grid = Grid(shape, (3.0, 5.0))
     y, x = grid.coordinates
     q_y, q_x = 2 * np.pi * ((shape[0] - 1) // 2) / 3.0, 2 * np.pi * ((shape[1] - 1) // 2) / 5.0
     plan = fourier.RealTransform(shape)
@@ -75,8 +70,7 @@ def wisdom_of_a_plan(folder, monkeypatch, shape=(14, 22)):
 
 @pytest.mark.parametrize("where", [0, 300])
 def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch, where):
-    imported = []
-    path = wisdom_of_a_plan(tmp_path, monkeypatch)
+    imported, path = [], wisdom_of_a_plan(tmp_path, monkeypatch)
     content = bytearray(path.read_bytes())
     content[where] ^= 1
     path.write_bytes(content)

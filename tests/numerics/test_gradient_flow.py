@@ -102,15 +102,13 @@ def test_load_rises_at_its_rate_and_is_then_held():
 
 
 def test_rest_on_a_saddle_is_left_and_rest_in_a_valley_is_not():
-    double = (lambda u: 0.25 * (u[1] ** 2 - 1) ** 2 + u[0] ** 2, lambda u: np.array([2 * u[0], u[1] * (u[1] ** 2 - 1)]))
+    def lower(u):
+        return u + np.array([0.0, 0.01]) if abs(u[1]) < 0.5 else None
 
-    def lower(state):
-        return state + np.array([0.0, 0.01]) if abs(state[1]) < 0.5 else None
-
-    assert moments(System(*double), [0.5, 0.0], 0.0, PACE)[-1].state[1] == 0.0
-    found = moments(System(*double, lower=lower), [0.5, 0.0], 0.0, PACE)
-    assert found[-1].fate is Status.AT_REST
-    np.testing.assert_allclose(found[-1].state, [0, 1], atol=1e-5)
+    wells = System(lambda u: 0.25 * (u[1] ** 2 - 1) ** 2 + u[0] ** 2, lambda u: u * [2, u[1] ** 2 - 1], lower)
+    end = moments(wells, [0.5, 0.0], 0.0, PACE)[-1]
+    assert end.fate is Status.AT_REST
+    np.testing.assert_allclose(end.state, [0, 1], atol=1e-5)
 
 
 def test_ends_of_a_motion_are_told_apart():

@@ -16,9 +16,7 @@ def test_arrays_lie_side_by_side_in_what_is_lent_and_beyond_it_anew():
     for one, other in ((first, second), (second, fits), (first, fits)):
         assert not np.shares_memory(one, other)
     assert not np.shares_memory(Memory().array((2, 3), np.float32), Memory().array((2, 3), np.float32))
-
-
-def test_scratch_is_one_memory_as_large_as_its_largest():
+    # Scratch is one memory, as large as its largest array.
     scratch, kind = Scratch(), np.dtype(np.complex128)
     large, small, larger = (scratch.array(shape, kind) for shape in ((8, 4), (3, 2), (9, 9)))
     assert np.shares_memory(large, small)

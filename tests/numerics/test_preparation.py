@@ -43,28 +43,19 @@ def test_harmonic_heights_are_filled_exactly(shape, c, spacing, seed):
     torn = np.where(holes(shape, seed), np.nan, harmonic)
     # A direct solution: rounding of heights up to 3 * 50² times the condition of a hole of a few points.
     np.testing.assert_allclose(filled(torn, spacing), harmonic, atol=1e-9)
-
-
-@settings(deadline=None, max_examples=20)
-@given(SIDES, st.integers(0, 99))
-def test_filled_heights_stay_between_those_around_them(shape, seed):
-    """The maximum principle, also for holes at the edges and in the corners."""
+    # The maximum principle, also for holes at the edges and in the corners.
     rough = np.random.default_rng(seed).standard_normal(shape)
-    torn = rough.copy()
-    torn[np.random.default_rng(seed + 1).random(shape) < 0.5] = np.nan
+    torn = np.where(np.random.default_rng(seed + 1).random(shape) < 0.5, np.nan, rough)
     torn[0, 0], torn[-1, -1] = np.nan, rough[-1, -1]
-    whole, there = filled(torn, (1.0, 2.0)), np.isfinite(torn)
+    whole, there = filled(torn, spacing), np.isfinite(torn)
     np.testing.assert_array_equal(whole[there], rough[there])
     assert np.nanmin(torn) - 1e-12 <= whole.min() <= whole.max() <= np.nanmax(torn) + 1e-12
 
 
-def test_mirror_images_meet():
-    heights = np.random.default_rng(1).standard_normal((5, 7))
-    np.testing.assert_array_equal(mirrored(heights), np.pad(heights, ((0, 5), (0, 7)), mode="symmetric"))
-
-
-def test_a_window_leaves_the_middle_and_joins_the_edges():
+def test_mirror_images_meet_and_a_window_leaves_the_middle_and_joins_the_edges():
     heights = np.random.default_rng(1).standard_normal((40, 60)) + 5
+    rows = np.concatenate([heights, heights[::-1]])
+    np.testing.assert_array_equal(mirrored(heights), np.concatenate([rows, rows[:, ::-1]], axis=1))
     faded = windowed(heights, 0.5)
     np.testing.assert_array_equal(faded[10:30, 15:45], heights.mean() + (heights - heights.mean())[10:30, 15:45])
     np.testing.assert_allclose(faded[0], heights.mean(), atol=1e-14)

@@ -9,14 +9,7 @@ from scipy.linalg import expm, schur
 from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
-from contact_study.physics.solids import (
-    Layer,
-    Layered,
-    Measured,
-    Tabulated,
-    contact_modulus_of,
-    elasticity_of,
-)
+from contact_study.physics.solids import Layer, Layered, Measured, Tabulated, contact_modulus_of, elasticity_of
 from contact_study.physics.solids.base import indentation_modulus, stiffnesses
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
@@ -212,7 +205,6 @@ def test_a_table_of_stiffness_goes_into_the_study_and_each_point_of_a_sweep_has_
     [
         ({"thickness": "20 nm"}, 'elasticity.thickness: kind = "half_space" has no such key'),
         ({"kind": "layer"}, "missing key elasticity.thickness"),
-        ({"kind": "slab"}, "elasticity.kind = 'slab'"),
         ({"kind": "tabulated"}, "missing key elasticity.path"),
         (
             {"kind": "tabulated", "wavenumber": ["2 nm^-1", "1 nm^-1"], "stiffness": [1e18, 1e18]},

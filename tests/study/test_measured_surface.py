@@ -105,9 +105,6 @@ def test_what_was_taken_is_said_once_for_each_map(tmp_path, heights):
     said = float(lines[1].partition("h_rms ")[2].partition(" nm")[0])
     assert said == pytest.approx(1e9 * heights.std(), abs=0, rel=0.01)  # 0.4 % of the points are others
     assert "Hurst exponent 0.8" in lines[2]
-
-
-def test_a_flat_map_is_described(tmp_path):
     flat = study_of(tmp_path, np.zeros((8, 8)))
     assert "h_rms 0 pm" in described(flat.scales[0].measured)[1]
     assert review(flat) == []

@@ -24,10 +24,7 @@ def test_more_points_refine_the_same_surface():
     same, other = (realise(case(size=size, cutoff_mode=5, shape=[81, 100], seed=seed)) for seed in (1, 2))
     np.testing.assert_array_equal(same.heights((64, 62)), coarse)
     assert not np.allclose(other.heights((64, 62)), coarse, atol=1e-11)
-
-
-def test_larger_cutoff_keeps_the_long_waves():
-    """Amplitudes are drawn in order of |q|; normalisation to the spectrum scales all by one common factor."""
+    # A larger cutoff keeps the long waves, but for the common factor of the normalisation.
     heights = [realise(case(cutoff_mode=mode)).heights((64, 64)) for mode in (8, 16)]
     short, long = (np.abs(np.fft.rfft2(one))[:6, :6].ravel()[1:] for one in heights)
     np.testing.assert_allclose(long / short, long[0] / short[0], rtol=1e-9)
