@@ -7,14 +7,13 @@ from contact_study.numerics.grid import Grid
 from contact_study.physics.height_maps.preparation import detrended, mirrored
 from contact_study.physics.roughness.statistics import PowerSpectrum, roughness_of, roughness_of_sample, self_affine_fit
 from contact_study.study.case import realise
-from contact_study.study.study import make_study
-from tests.study.test_study import changed
+from tests.study.test_surface import case
 
 UNIT = 2 * np.pi / 104e-9
 
 
 def surface(**keys):
-    return realise(make_study(changed("surface", **keys)).cases[0])
+    return realise(case(**keys))
 
 
 def test_moments_of_a_wave():

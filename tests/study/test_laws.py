@@ -21,6 +21,9 @@ def test_values_of_the_paper():
     assert law.peak_distance == pytest.approx(3.741e-10, abs=0, rel=1e-4)
     assert law.equilibrium_stiffness == pytest.approx(40 * 0.69 / R0**2, rel=1e-12)
     assert law.strongest_softening == pytest.approx(3.788 * 0.69 / R0**2, rel=1e-4)
+    gap = np.geomspace(0.8, 4, 9)
+    np.testing.assert_allclose(LennardJones104(1.0, 1.0).traction(gap), 20 / 3 * (gap**-5 - gap**-11), rtol=1e-12)
+    np.testing.assert_allclose(LennardJones93(1.0, 1.0).traction(gap), 8 / 3 * (gap**-3 - gap**-9), rtol=1e-12)
     block, substrate = 1 / 2.6e-10**2, (647 / 1040e-10) ** 2
     # The sum over discrete atoms gives 0.6924; smearing them costs 0.06 %.
     assert work_of_adhesion(18.6e-3 * 1.602176634e-19, R0, block, substrate) == pytest.approx(0.6924, rel=1e-3)
@@ -31,19 +34,6 @@ def test_laws_refuse_what_is_no_law(wrong):
     for name, given in (("work_of_adhesion", (wrong, R0)), ("length", (0.69, wrong))):
         with pytest.raises(ValueError, match=f"{name} = {wrong!r}: must be a"):
             LennardJones104(*given)
-
-
-def test_half_spaces_of_lennard_jones_atoms_make_the_9_3_law():
-    """Δγ and z0 of the documentation: pairs summed over planes of continuous density, in units of ε, r0 and ρ."""
-
-    def plane(z):  # energy of an atom at height z over a half-space of unit density: ∫ V(r) d³r
-        return 4 * np.pi * (1 / (45 * z**9) - 1 / (6 * z**3))
-
-    length = (2 / 15) ** (1 / 6)
-    law = LennardJones93(np.pi / 4 * (15 / 2) ** (1 / 3), length)
-    for gap in length * np.array([0.8, 1.0, 1.5, 4.0]):
-        energy = quad(plane, gap, np.inf, epsabs=0, epsrel=1e-12)[0]
-        assert law.potential(np.array(gap)) == pytest.approx(energy, rel=1e-9)
 
 
 adhesive = pytest.mark.parametrize("law", ADHESIVE.values(), ids=ADHESIVE)
@@ -189,9 +179,8 @@ def changed_point(index, value):
     return TABLE_GAPS, np.where(np.arange(100) == index, value, TABLE_TRACTIONS)
 
 
-@pytest.mark.parametrize(
-    ("table", "words"),
-    [
+def test_bad_tables_are_named():
+    for table, words in (
         ((TABLE_GAPS[:4], TABLE_TRACTIONS[:4]), "at least 5 gaps"),
         ((TABLE_GAPS[:-1], TABLE_TRACTIONS), "as many tractions as gaps"),
         ((TABLE_GAPS[::-1], TABLE_TRACTIONS[::-1]), "increasing order"),
@@ -204,11 +193,9 @@ def changed_point(index, value):
         ((TABLE_GAPS, -TABLE_TRACTIONS), "no core: .*, a repulsion; tension is positive .* change all signs"),
         (changed_point(PEAK - 2, 0.99 * TABLE_TRACTIONS[PEAK - 3]), "second peak"),
         (changed_point(50, np.nan), "no finite number"),
-    ],
-)
-def test_bad_tables_are_named(table, words):
-    with pytest.raises(ValueError, match=words):
-        TabulatedLaw.through(*table)
+    ):
+        with pytest.raises(ValueError, match=words):
+            TabulatedLaw.through(*table)
 
 
 def study_with(folder=".", law="tabulated", **keys):
@@ -228,9 +215,17 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
     np.testing.assert_array_equal(again.cases[0].law.tractions, law.tractions)
 
 
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
+def test_keys_and_tables_that_make_no_law_are_one_line(tmp_path):
+    for name, text in {
+        "law": "1 2 3\n4 5 6\n",
+        "two": "1 -2\n4 5\n",
+        "words": "# measured\ngap, traction # of a law\n1, 2\n",
+        "semicolons": "1;2\n",
+        "ragged": "\n1 2,\n,\n3 # 4\n",
+        "empty": "# gap traction\n\n",
+    }.items():
+        (tmp_path / f"{name}.txt").write_text(text)
+    for keys, words in (
         ({}, r"missing key interaction\.path"),
         ({"path": "none.txt"}, r"^interaction\.path: \S*none\.txt cannot be read"),
         ({"path": "law.txt", "gap": [1e-10]}, r"interaction\.path and interaction\.gap"),
@@ -246,20 +241,9 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
         ({**KEYS["dugdale_core"], "law": "dugdale_core", "core": 0.5e-10}, r"interaction\.core .* the ramp"),
         ({**KEYS["dugdale"], "law": "dugdale", "ramp": 0.6}, r"interaction\.ramp = 0\.6"),
         ({"law": "repulsive", "length": R0, "work_of_adhesion": 1.0, "repulsion": 1.0}, "does not attract"),
-    ],
-)
-def test_keys_and_tables_that_make_no_law_are_one_line(tmp_path, keys, words):
-    for name, text in {
-        "law": "1 2 3\n4 5 6\n",
-        "two": "1 -2\n4 5\n",
-        "words": "# measured\ngap, traction # of a law\n1, 2\n",
-        "semicolons": "1;2\n",
-        "ragged": "\n1 2,\n,\n3 # 4\n",
-        "empty": "# gap traction\n\n",
-    }.items():
-        (tmp_path / f"{name}.txt").write_text(text)
-    with pytest.raises(InputError, match=words):
-        study_with(tmp_path, **keys)
+    ):
+        with pytest.raises(InputError, match=words):
+            study_with(tmp_path, **keys)
 
 
 def test_laws_by_name_take_fields_of_their_own():

@@ -46,9 +46,8 @@ def test_three_columns_are_points(tmp_path, head, separator):
         assert "missing key surface.lateral_unit" in refused(tmp_path / "map.txt", height_unit="nm")
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
+def test_what_is_no_map_is_named(tmp_path):
+    for text, words in (
         ("", "surface.path: {path} holds no numbers"),
         ("# Width: 1 um\n# Height: 1 um\n", "{path} holds no numbers"),
         (",0,1,2,3\n" + "0,1.5,2,3,4\n" * 4, "{path} begins with an empty cell; leave out names"),
@@ -60,12 +59,10 @@ def test_three_columns_are_points(tmp_path, head, separator):
         ("0,1;2,5\n" * 9, "holds a line scan (9 points)"),
         ("# Width: 1 um\n# Height: 2 um\n" + "1 2 3\n" * 5, "an array of shape (5, 3); expected at least 4 x 4"),
         ("-12,125,10,250,3,1,4,5\n" * 12, "{path} looks like decimal commas between commas; use another separator"),
-    ],
-)
-def test_what_is_no_map_is_named(tmp_path, text, words):
-    (tmp_path / "map.txt").write_text(text)
-    keys = {} if "shape" in words else {"size": SIZE}
-    assert words.format(path=tmp_path / "map.txt") in refused(tmp_path / "map.txt", **keys)
+    ):
+        (tmp_path / "map.txt").write_text(text)
+        keys = {} if "shape" in words else {"size": SIZE}
+        assert words.format(path=tmp_path / "map.txt") in refused(tmp_path / "map.txt", **keys)
 
 
 @pytest.mark.parametrize("name", ["map.npy.gz", "map.csv.GZ"])

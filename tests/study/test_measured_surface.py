@@ -16,8 +16,7 @@ from tests.study.test_study import changed
 def heights():
     """In m, periodic on 2 µm; self-affine with H = 0.8 from 500 nm to 20 nm."""
     keys = {"size": "2 um", "shape": [512, 512], "rms_height": "10 nm", "roll_off_mode": 4, "cutoff_mode": 100}
-    table = changed("surface", **keys, seed=2)
-    table["interaction"] = {"law": "hard_wall"}
+    table = changed("surface", **keys, seed=2) | {"interaction": {"law": "hard_wall"}}
     return realise(make_study(table).cases[0]).sampled
 
 

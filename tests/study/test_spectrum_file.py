@@ -83,9 +83,8 @@ def test_the_study_holds_what_the_file_says(tmp_path):
     assert_is_the_spectrum(make_study(found.table, tmp_path / "elsewhere").cases[0].theory.table())
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
+def test_what_is_no_spectrum_is_one_line(tmp_path):
+    for text, words in (
         (HEADER + "0.15, 20\n0.45, -20\n1.8, 1\n", r"row 2: power -2e-35 m\^4; must be a positive number"),
         (HEADER + "0, 20\n0.45, 20\n1.8, 1\n", "row 1: wavevector 0 m"),
         (HEADER + "0.15, 20\n1.8, 20\n0.45, 1\n", r"row 3: wavevector 4\.5e\+08 m\^-1 after 1\.8e\+09; they must rise"),
@@ -95,13 +94,11 @@ def test_the_study_holds_what_the_file_says(tmp_path):
         ("0.15, 20, 3\n0.45, 20, 3\n", "holds 3 columns of numbers"),
         ("q (1/foo), C (nm^4)\n" + ROWS, r"unit of wavevector = '1 foo\^-1': unknown unit"),
         (ROWS, "does not say the unit of its wavevector"),
-    ],
-)
-def test_what_is_no_spectrum_is_one_line(tmp_path, text, words):
-    (tmp_path / "psd.csv").write_text(text)
-    with pytest.raises(InputError, match=rf"^theory\.spectrum_path: .*psd\.csv.*{words}") as refused:
-        study(tmp_path, spectrum="file", spectrum_path="psd.csv")
-    assert "\n" not in str(refused.value)
+    ):
+        (tmp_path / "psd.csv").write_text(text)
+        with pytest.raises(InputError, match=rf"^theory\.spectrum_path: .*psd\.csv.*{words}") as refused:
+            study(tmp_path, spectrum="file", spectrum_path="psd.csv")
+        assert "\n" not in str(refused.value)
 
 
 WAVES = ["1e-2 angstrom^-1", "1 nm^-1", 1e10]
@@ -132,9 +129,9 @@ def test_theories_of_a_spectrum_need_no_surface(tmp_path):
 FILE = {"spectrum": "file", "spectrum_path": "words.nc"}
 
 
-@pytest.mark.parametrize(
-    ("table", "words"),
-    [
+def test_what_does_not_go_together_or_needs_a_surface_is_named(tmp_path):
+    (tmp_path / "words.nc").write_text("no dataset")
+    for table, words in (
         ({**STUDY, "theory": {"spectrum": "file"}}, r"missing key theory\.spectrum_path"),
         ({**STUDY, "theory": {**FILE, "spectrum_path": "none.csv"}}, r"none\.csv cannot be read \(No such file"),
         ({**STUDY, "theory": FILE}, r"words\.nc is no NetCDF file"),
@@ -144,9 +141,6 @@ FILE = {"spectrum": "file", "spectrum_path": "words.nc"}
         (without_surface(theory={**ATOMIC, "spectrum": ["table", "surface"]}), "missing key surface.kind"),
         (without_surface(theory={}), "missing key surface.kind"),
         (without_surface(loading={"path": ["1 nN"]}), "loading.path: forces act on a cell"),
-    ],
-)
-def test_what_does_not_go_together_or_needs_a_surface_is_named(tmp_path, table, words):
-    (tmp_path / "words.nc").write_text("no dataset")
-    with pytest.raises(InputError, match=words):
-        make_study(table, tmp_path)
+    ):
+        with pytest.raises(InputError, match=words):
+            make_study(table, tmp_path)

@@ -56,7 +56,6 @@ class TractionLaw(ABC):
     counts_as_contact: ClassVar[str] = "a gap below the contact distance"  # see :meth:`in_contact`
     diverges: ClassVar[bool] = True  # repulsion grows without bound as the gap closes: no gap is zero or less
     own_lengths: ClassVar[tuple[str, ...]] = ()  # fields beside ``length`` that are lengths
-
     work_of_adhesion: float
     length: float
 

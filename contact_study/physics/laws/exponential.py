@@ -63,7 +63,6 @@ class Dugdale(TractionLaw):
     title = "Dugdale"
     words = "A constant tension out to a finite reach, outside a hard wall"
     counts_as_contact = "a gap of zero"
-
     ramp: float = RAMP
 
     @property
@@ -104,7 +103,6 @@ class CoredLaw(LawAtLength):
 
     diverges = False
     own_lengths = ("range", "core")
-
     range: float
     core: float
 
@@ -207,7 +205,6 @@ class DugdaleCore(CoredLaw):
 
     title = "Dugdale with a core"
     words = "A constant tension out to a finite reach, with an exponential core"
-
     ramp: float = RAMP
 
     @property
@@ -237,7 +234,6 @@ class Morse(LawAtLength):
     words = "Morse's law"
     diverges = False
     own_lengths = ("range",)
-
     range: float
 
     def _decay(self, gap):

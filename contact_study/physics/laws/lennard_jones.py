@@ -154,7 +154,6 @@ class HardWall(TractionLaw):
     title = "hard wall"
     words = "a hard wall without adhesion"
     counts_as_contact = "a positive pressure"
-
     work_of_adhesion: float = 0.0
     length: float = 0.0
 
@@ -193,7 +192,6 @@ class Repulsive(LawAtLength):
     attracts = False
     title = "repulsive"
     words = "a soft repulsion"
-
     repulsion: float
 
     def __post_init__(self):

@@ -8,14 +8,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 
 from contact_study.physics.laws.base import LawAtLength, solved
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicHermiteSpline, PPoly
 
 # Tension at the last gap, over the table's peak, up to which an end is guessed.
 _LARGEST_END = 0.05
@@ -44,7 +41,6 @@ class TabulatedLaw(LawAtLength):
 
     title = "tabulated"
     words = "A law by a table"
-
     gaps: np.ndarray
     tractions: np.ndarray
 
@@ -65,7 +61,7 @@ class TabulatedLaw(LawAtLength):
         return replace(bare, work_of_adhesion=-float(bare.potential(np.array(length))), length=length)
 
     @cached_property
-    def _between(self) -> "CubicHermiteSpline":
+    def _between(self) -> Any:
         from scipy.interpolate import CubicHermiteSpline, PchipInterpolator  # slow to import
 
         _, tension, fading = self._end
@@ -76,11 +72,11 @@ class TabulatedLaw(LawAtLength):
         return CubicHermiteSpline(self.gaps, self.tractions, slopes)
 
     @cached_property
-    def _slope(self) -> "PPoly":
+    def _slope(self) -> Any:
         return self._between.derivative()
 
     @cached_property
-    def _work(self) -> "PPoly":
+    def _work(self) -> Any:
         return self._between.antiderivative()
 
     @cached_property
@@ -142,15 +138,11 @@ class TabulatedLaw(LawAtLength):
     def repulsive_gap(self, traction):
         wanted = np.minimum(np.asarray(traction, dtype=float), 0.0)
         first, pressure, power = self._core
-        rising = int(np.argmax(self.tractions > 0)) + 1
+        rising, tiny = int(np.argmax(self.tractions > 0)) + 1, np.finfo(float).tiny
         # The points around the value are known; within them Newton, by halves where it leaves them.
         right = np.clip(np.searchsorted(self.tractions[:rising], wanted, side="right"), 1, rising - 1)
         low, high = self.gaps[right - 1], self.gaps[right]
-
-        def slope(gap):
-            return np.maximum(self._slope(gap), np.finfo(float).tiny)
-
-        gap = solved(self._between, slope, wanted, low, high, 0.5 * (low + high))
+        gap = solved(self._between, lambda x: np.maximum(self._slope(x), tiny), wanted, low, high, 0.5 * (low + high))
         deep = np.maximum(-wanted, pressure) / pressure
         gap = np.where(-wanted > pressure, first * deep ** (-1 / power), gap)
         return np.where(wanted == 0, self.length, np.minimum(gap, self.length))

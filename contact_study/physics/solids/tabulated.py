@@ -3,15 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Self
+from typing import Any, Self
 
 import numpy as np
 
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids.base import Elasticity, contact_modulus_of
-
-if TYPE_CHECKING:
-    from scipy.interpolate import PchipInterpolator
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +51,7 @@ class Measured(Elasticity):
         return np.asarray(self.wavenumbers, dtype=float), np.asarray(self.stiffnesses, dtype=float)
 
     @cached_property
-    def _modulus(self) -> "PchipInterpolator":
+    def _modulus(self) -> Any:
         from scipy.interpolate import PchipInterpolator  # slow to import
 
         q, stiffness = self._table
@@ -112,11 +109,10 @@ class Tabulated(Elasticity):
         q = self.grid.wavenumber.reshape(-1)[1:]
         weight = np.broadcast_to(self.grid.multiplicity, self.grid.spectrum_shape).reshape(-1)[1:]
         ring = np.rint(q * max(self.grid.size) / (2 * np.pi)).astype(int)
-        count = np.bincount(ring, weight)
-        filled = count > 0
         modulus = contact_modulus_of(self.table.reshape(-1)[1:], q)
-        means = [np.bincount(ring, weight * values)[filled] / count[filled] for values in (q, modulus)]
-        return means[0], means[1]
+        count, waves, moduli = (np.bincount(ring, part) for part in (weight, weight * q, weight * modulus))
+        filled = count > 0
+        return waves[filled] / count[filled], moduli[filled] / count[filled]
 
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
         """Mean of K over directions, between the rings of the table with E*(q) linear, beyond them constant (Pa/m)."""
