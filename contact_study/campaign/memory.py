@@ -2,18 +2,13 @@
 
 import os
 import socket
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_study.inputs.errors import InputError
-
-if TYPE_CHECKING:
-    from contact_study.study.case import Case
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from contact_study.study.case import Case
@@ -94,27 +89,20 @@ def _limits() -> Iterator[tuple[float, str]]:
     yield _share, "a Dask worker on "
     with suppress(AttributeError, ValueError, OSError):  # not on every system
         yield float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")), ""
-    for path in _limit_files():
-        with suppress(OSError, ValueError):  # no such group, or "max"
-            yield float(path.read_text()), "the job on "
-
-
-def _limit_files() -> Iterator[Path]:
-    """Files that may hold the limits of this process's control groups: batch job, container, session."""
-    yield _GROUPS / "memory.max"
-    try:
+    # Files that may hold the limits of this process's control groups: batch job, container, session.
+    files, lines = [_GROUPS / "memory.max"], []
+    with suppress(OSError):  # not on every system
         lines = _OWN_GROUPS.read_text().splitlines()
-    except OSError:  # not on every system
-        return
     for line in lines:
         _, kinds, group = line.split(":", 2)
-        if kinds and "memory" not in kinds.split(","):
-            continue
-        # Version 2 names no kinds, version 1 does.
-        root, name = (_GROUPS / "memory", "memory.limit_in_bytes") if kinds else (_GROUPS, "memory.max")
-        own = Path(group.lstrip("/"))
-        for parent in (own, *own.parents):
-            yield root / parent / name
+        if not kinds or "memory" in kinds.split(","):
+            # Version 2 names no kinds, version 1 does.
+            root, name = (_GROUPS / "memory", "memory.limit_in_bytes") if kinds else (_GROUPS, "memory.max")
+            own = Path(group.lstrip("/"))
+            files += [root / parent / name for parent in (own, *own.parents)]
+    for path in files:
+        with suppress(OSError, ValueError):  # no such group, or "max"
+            yield float(path.read_text()), "the job on "
 
 
 # Processor time per load step and point, or atom (s): from a typical to a slow step of one core of 2023.
@@ -128,29 +116,24 @@ _ATOMS = (6e-6, 1e-4)
 _THEORY = (0.02, 0.5)  # per load step alone
 
 
-def seconds_per_step(kind: str, case: "Case") -> tuple[float, float] | None:
-    """Return a typical and a long processor time of a load step of a model (s); None where it was not measured."""
-    if kind == "theory":
-        return _THEORY
-    if kind == "atomistic":
-        if case.atomistic.method not in ("quasi_static", "overdamped"):
-            return None
-        points, (low, high) = float(case.lattice.atoms[0] * case.lattice.atoms[1]), _ATOMS
-        slow = case.atomistic.method == "overdamped"
-    else:
-        shape = case.scales.shape
-        points, (low, high) = float(shape[0] * shape[1]), _ADHESIVE if case.law.attracts else _HARD_WALL
-        slow = case.solver.path == "overdamped" and case.law.attracts
-    factor = (_SLOW_MOTION if slow else 1.0) * (_FREE_BOUNDARY if case.elasticity.boundary == "free" else 1.0)
-    return low * points * factor, high * points * factor
-
-
 def seconds_of(kind: str, steps: "Iterable[tuple[Case, int]]") -> tuple[float, float] | None:
-    """Return the processor time of so many steps of each case, as :func:`seconds_per_step`."""
-    each = [(number, seconds_per_step(kind, case)) for case, number in steps]
-    if any(found is None for _, found in each):
-        return None
-    low, high = (sum(number * found[end] for number, found in each if found) for end in (0, 1))
+    """Typical and long processor time of so many load steps of each case (s); None where it was not measured."""
+    low = high = 0.0
+    for case, number in steps:
+        if kind == "theory":
+            points, (own_low, own_high), slow = 1.0, _THEORY, False
+        elif kind == "atomistic":
+            if case.atomistic.method not in ("quasi_static", "overdamped"):
+                return None
+            points, (own_low, own_high) = float(case.lattice.atoms[0] * case.lattice.atoms[1]), _ATOMS
+            slow = case.atomistic.method == "overdamped"
+        else:
+            shape = case.scales.shape
+            points, (own_low, own_high) = float(shape[0] * shape[1]), _ADHESIVE if case.law.attracts else _HARD_WALL
+            slow = case.solver.path == "overdamped" and case.law.attracts
+        free = kind != "theory" and case.elasticity.boundary == "free"
+        factor = number * points * (_SLOW_MOTION if slow else 1.0) * (_FREE_BOUNDARY if free else 1.0)
+        low, high = low + own_low * factor, high + own_high * factor
     return low, high
 
 
@@ -159,4 +142,4 @@ def duration(seconds: float) -> str:
     for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= 1.5 * size:
             return f"{seconds / size:.2g} {unit}"
-    return f"{seconds:.0f} s" if seconds >= 1 else "1 s"
+    return f"{max(seconds, 1.0):.0f} s"

@@ -5,7 +5,7 @@ The merged file equals that of one run bit for bit, but for wall times and attri
 
 import copy
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -62,18 +62,19 @@ def merge(
         holders = _holders(sources, study)
         own = _bins(study, datasets)
         bins = [dataset.bins(own) for dataset in datasets]
-        for held, case in zip(holders, study.cases, strict=True):
-            _check_agreement([(sources[i], StoredCase(datasets[i], at, bins[i]), at) for i, at in held], case.label)
-        model = sources[0].model
-        predictors = "\n".join(dict.fromkeys(source.record.predictor for source in sources))
-        run = Run(model, RunRecord(model.kind, study, _maps(sources), model.ignores, predictor=predictors), own)
         cases = []
-        for (which, at), *_ in holders:
+        for held, case in zip(holders, study.cases, strict=True):
+            alike = [(sources[i].path, StoredCase(datasets[i], at, bins[i])) for i, at in held]
+            _check_agreement(alike, case)
+            cases.append(alike[0][1])
+        for which in dict.fromkeys(held[0][0] for held in holders):
             if not bins[which].hold(own):
                 raise InputError(
                     f"{sources[which].path}: {COARSER_BINS}; run all parts with one output.pressure_range and gap_range"
                 )
-            cases.append(StoredCase(datasets[which], at, bins[which]))
+        model = sources[0].model
+        predictors = "\n".join(dict.fromkeys(source.record.predictor for source in sources))
+        run = Run(model, RunRecord(model.kind, study, _maps(sources), model.ignores, predictor=predictors), own)
         writable_output(output)
         opened.callback(work.close)
         work.open(resume=False, overwrite=overwrite)
@@ -124,10 +125,9 @@ def _read_sources(paths: Sequence[Path]) -> list[_Source]:
                     f"(SHA-256 {other[:12]}… and {content[:12]}…)"
                 )
     for source in others:
+        pairs = {name: (first.attributes.get(name), source.attributes.get(name)) for name in _SHARED}
         faults = [
-            f"{name} is {first.attributes.get(name)} in the one and {source.attributes.get(name)} in the other"
-            for name in _SHARED
-            if first.attributes.get(name) != source.attributes.get(name)
+            f"{name} is {one} in the one and {two} in the other" for name, (one, two) in pairs.items() if one != two
         ]
         if bool(first.record.predictor) != bool(source.record.predictor):
             faults.append("one was run with --predictor, one without")
@@ -222,31 +222,24 @@ def _value(case: Case, dotted: str) -> Any:
 
 def _values(sources: Sequence[_Source], dotted: str) -> list[Any]:
     """Every value that a dataset has of a key, as its study writes it; numbers in increasing order."""
-    found: dict[Any, Any] = {}
+    found: dict[Any, Any] = {}  # by their values in SI
+    section, _, name = dotted.partition(".")
     for source in sources:
-        for size, written in _own_values(source, dotted):
-            found.setdefault(size, written)
+        study = source.study
+        if dotted in study.table.get("sweep", {}):
+            for size, written in zip(study.sweep[name].values, study.table["sweep"][dotted], strict=True):
+                found.setdefault(size, written)
+            continue
+        size, *more = dict.fromkeys(_value(case, dotted) for case in study.cases)
+        if more or size is None:
+            fault = "has several values of it at different points of its sweep" if more else "has no value of it"
+            raise InputError(f"{source.path} cannot be joined along {dotted}: it {fault}")
+        written = study.table.get(section, {}).get(name, default_of(SECTIONS[section], name))
+        found.setdefault(size, size if written is dataclasses.MISSING or isinstance(written, list | tuple) else written)
     if not all(isinstance(size, int | float) and not isinstance(size, bool) for size in found):
         return list(found.values())
     sizes = sorted(found)
     return [found[size] for size, before in zip(sizes, [None, *sizes], strict=False) if not same(size, before)]
-
-
-def _own_values(source: _Source, dotted: str) -> Iterator[tuple[Any, Any]]:
-    """Values of a key in one dataset, in SI and as written."""
-    study, (section, _, name) = source.study, dotted.partition(".")
-    if dotted in study.table.get("sweep", {}):
-        yield from zip(study.sweep[name].values, study.table["sweep"][dotted], strict=True)
-        return
-    values = dict.fromkeys(_value(case, dotted) for case in study.cases)
-    if len(values) > 1 or None in values:
-        raise InputError(
-            f"{source.path} cannot be joined along {dotted}: it "
-            + ("has several values of it at different points of its sweep" if len(values) > 1 else "has no value of it")
-        )
-    written = study.table.get(section, {}).get(name, default_of(SECTIONS[section], name))
-    size = next(iter(values))
-    yield size, size if written is dataclasses.MISSING or isinstance(written, list | tuple) else written
 
 
 def _compared_keys(record: RunRecord, case: Case) -> dict[str, Any]:
@@ -283,19 +276,19 @@ def _holders(sources: Sequence[_Source], study: Study) -> list[list[tuple[int, i
     return held
 
 
-def _check_agreement(held: Sequence[tuple[_Source, StoredCase, int]], label: str) -> None:
+def _check_agreement(held: Sequence[tuple[Path, StoredCase]], case: Case) -> None:
     """Refuse datasets that have different numbers of one case."""
-    (first, one, at), *others = held
-    for source, other, _ in others:
+    (first, one), *others = held
+    for path, other in others:
         pairs = {"": (one.constants, other.constants)}
-        for number in range(len(first.study.cases[at].path)):
+        for number in range(len(case.path)):
             pairs[f"point {number + 1}"] = one.step(number)[0], other.step(number)[0]
         for point, (mine, yours) in pairs.items():
             for name in {**mine, **yours}:
                 if not name.endswith(_FREE) and not _equal(mine.get(name), yours.get(name)):
-                    where = ", ".join(filter(None, (label, point)))
+                    where = ", ".join(filter(None, (case.label, point)))
                     raise InputError(
-                        f"{first.path} and {source.path} disagree{f' at {where}' if where else ''}: {name} is "
+                        f"{first} and {path} disagree{f' at {where}' if where else ''}: {name} is "
                         f"{_words(mine.get(name))} in the one and {_words(yours.get(name))} in the other; leave one of "
                         "them out"
                     )
@@ -325,8 +318,8 @@ def _attributes(run: Run, sources: Sequence[_Source], notes: Sequence[str], comm
         warnings = []
     for source in sources:
         warnings += provenance.carried_warnings(run.model, source.attributes, source.record)
-    commits = dict.fromkeys(str(source.attributes.get("git_commit")) for source in sources)
-    if len(commits) > 1:
-        warnings.append(f"the parts are of several commits: {', '.join(commits)}")
+    commits = ", ".join(dict.fromkeys(str(source.attributes.get("git_commit")) for source in sources))
+    if ", " in commits:
+        warnings.append(f"the parts are of several commits: {commits}")
     earlier = [source.attributes for source in sources]
-    return provenance.attributes(run, earlier, [*warnings, *notes], command, ", ".join(commits))
+    return provenance.attributes(run, earlier, [*warnings, *notes], command, commits)

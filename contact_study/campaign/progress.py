@@ -44,32 +44,30 @@ class Progress:
 
     def step(self, label: str, point: str, summary: dict[str, Any], seconds: float | None) -> None:
         """Count one more finished step, at a point of the path of the case with this label; without seconds it runs."""
+        where = f"{label}: {point}" if label else point
         if seconds is None:
-            self._show_life(f"{label + ': ' if label else ''}{point}", summary)
+            self._show_life(where, summary)
             return
         self.done += 1
         self._quiet_since = time.monotonic()
         area = summary.get("relative_contact_area")
-        text = f"{label + ': ' if label else ''}{point}"
         if summary.get("detached"):
-            text += f", {summary.get('message') or 'detached'}"
+            where += f", {summary.get('message') or 'detached'}"
         elif area is not None:
-            text += f", contact area {float(area):.4f}"
+            where += f", contact area {float(area):.4f}"
         if not summary.get("converged", True):
-            text += f", NOT CONVERGED ({summary.get('message') or 'see residual'})"
+            where += f", NOT CONVERGED ({summary.get('message') or 'see residual'})"
         if self._bar is not None:
-            self._bar.set_postfix_str(text, refresh=False)
+            self._bar.set_postfix_str(where, refresh=False)
             self._bar.update()
         else:
-            self.report(f"[{self.done}/{self.total}] {text} ({seconds:.1f} s)")
+            self.report(f"[{self.done}/{self.total}] {where} ({seconds:.1f} s)")
 
     def _show_life(self, where: str, summary: dict[str, Any]) -> None:
         """Show the work on a step: always on a terminal, every half minute elsewhere."""
         now = time.monotonic()
-        text = f"iteration {summary['iterations']}"
-        if summary["residual"] is not None:
-            text += f", residual {summary['residual']:.1e}"
-        text += f"{self._time_left(now)}; {where}"
+        residual = "" if summary["residual"] is None else f", residual {summary['residual']:.1e}"
+        text = f"iteration {summary['iterations']}{residual}{self._time_left(now)}; {where}"
         if self._bar is not None:
             self._bar.set_postfix_str(text)
         elif now - self._quiet_since >= _HALF_MINUTE:
@@ -78,8 +76,7 @@ class Progress:
 
     def _time_left(self, now: float) -> str:
         """Estimate the time for all steps: by those that this run has finished, before by what is usual."""
-        finished = self.done - self._before
-        spent = now - self._began
+        finished, spent = self.done - self._before, now - self._began
         left = spent / finished * (self.total - self.done) if finished else self.expected - spent
         return f", about {duration(left)} left" if left > 0 else ""
 

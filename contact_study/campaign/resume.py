@@ -4,9 +4,8 @@ Every check comes before the first change. Cases that the dataset holds whole st
 directory by one rename each, as if the run had just been interrupted. The old dataset stays until the new one is whole.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -63,25 +62,6 @@ def existing_dataset(work: WorkDirectory, *, resume: bool, overwrite: bool) -> d
     return attributes
 
 
-@dataclass(frozen=True)
-class Resumed:
-    """Warnings, and the ``earlier`` run of a dataset that holds some cases of this run ``whole``, by both numbers."""
-
-    notes: list[str]
-    earlier: RunRecord | None = None
-    whole: Mapping[int, int] = field(default_factory=dict)
-
-    @contextmanager
-    def opened(self, path: Path, own: Bins) -> Iterator[dict[int, StoredCase]]:
-        """Open the cases that the dataset holds whole."""
-        if self.earlier is None or not self.whole:
-            yield {}
-            return
-        with DatasetReader(path, self.earlier.study) as dataset:
-            bins = dataset.bins(own)
-            yield {number: StoredCase(dataset, there, bins) for number, there in self.whole.items()}
-
-
 def resume_run(
     run: Run,
     work: WorkDirectory,
@@ -89,10 +69,11 @@ def resume_run(
     finished: Mapping[str, Any] | None,
     git_commit: str,
     progress: Progress,
-) -> Resumed:
+) -> tuple[list[str], RunRecord | None, dict[int, int]]:
     """Find the finished part of a run; bring cases that no dataset holds whole into its open work directory.
 
-    Earlier runs are given by their attributes: ``unfinished`` steps in the directory, a ``finished`` dataset.
+    Earlier runs are given by their attributes: ``unfinished`` steps in the directory, a ``finished`` dataset. Returns
+    warnings, the record of the dataset, and the cases of this run that it holds whole, by both numbers.
     """
     notes: list[str] = []
     earlier: RunRecord | None = None
@@ -106,9 +87,9 @@ def resume_run(
         notes += _take_over(unfinished, run, work, progress)
     replaced = history_of(work.output) if finished is None and work.output.exists() else None
     work.claim({**run.record.attributes, "git_commit": git_commit}, replaced)
-    if earlier is None:
-        return Resumed(notes)
     whole: dict[int, int] = {}
+    if earlier is None:
+        return notes, earlier, whole
     with DatasetReader(work.output, earlier.study) as dataset:
         bins = dataset.bins(run.bins)
         for number, found in progress.through(matches.items(), "cases of the dataset checked"):
@@ -118,7 +99,7 @@ def resume_run(
             elif not file.path.exists() or file.finished(steps, last_state=False) < found.steps:
                 reason = _extract(dataset, found, bins, run.bins, file.path)
                 notes += [_again(run, number, reason)] if reason else []
-    return Resumed(list(dict.fromkeys(notes)), earlier, whole)
+    return list(dict.fromkeys(notes)), earlier, whole
 
 
 def _match(attributes: Mapping[str, Any], run: Run, where: Path, fault: str) -> tuple[RunRecord, dict[int, Match]]:
@@ -160,8 +141,7 @@ def earlier_commits(earlier: list[Mapping[str, Any] | None], now: str) -> list[s
 
 
 def _again(run: Run, number: int, reason: str) -> str:
-    label = run.study.cases[number].label
-    return f"{label + ': ' if label else ''}computed again: {reason}"
+    return ": ".join(filter(None, (run.study.cases[number].label, "computed again", reason)))
 
 
 def _check_starts(run: Run, matches: Mapping[int, Match], earlier: Callable[[int], CaseFile | StoredCase]) -> None:
@@ -191,13 +171,13 @@ def _extract(dataset: DatasetReader, found: Match, bins: Bins, own: Bins, path: 
         return COARSER_BINS
     case = StoredCase(dataset, found.earlier, bins)
     state = case.state(found.steps - 1)
-    if not state:
-        return found.reason or (
-            "the state after its last point was not kept (output.restart = false), or its file "
-            f"{states_file(dataset.path).name} is missing, of another dataset or damaged"
-        )
-    write_case(path, case.constants, [case.step(number)[0] for number in range(found.steps)], bins, state)
-    return ""
+    if state:
+        write_case(path, case.constants, (case.step(number)[0] for number in range(found.steps)), bins, state)
+        return ""
+    return found.reason or (
+        "the state after its last point was not kept (output.restart = false), or its file "
+        f"{states_file(dataset.path).name} is missing, of another dataset or damaged"
+    )
 
 
 def match(attributes: Mapping[str, Any], run: Run) -> tuple[RunRecord, dict[int, Match]]:
@@ -260,14 +240,14 @@ def _matched_steps(number: int, case: Case, other: Case, run: Run) -> Match:
         raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
     if "fields" in model.keeps and case.output.fields:
         added += [_added_fields(case, other), _added_content("field_precision", case, other)]
-    if model.whole_path and before != after:
-        added.append("the path has changed, and its points share quantities of the whole path")
-    if model.own_steps and case.least_step != other.least_step:
-        added.append("the least step of loading.adaptive follows the largest value of the path, which grew")
-    if not _ranges_contain(case, run.bins):
-        added.append("the distributions there were counted in a narrower range")
-    if any(added):
-        return Match(number, 0, next(filter(None, added)))
+    changes = {
+        "the path has changed, and its points share quantities of the whole path": model.whole_path and before != after,
+        "the least step of loading.adaptive follows the largest value of the path, which grew": model.own_steps
+        and case.least_step != other.least_step,
+        "the distributions there were counted in a narrower range": not _ranges_contain(case, run.bins),
+    }
+    for reason in filter(None, [*added, *(words for words, holds in changes.items() if holds)]):
+        return Match(number, 0, reason)
     shared = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
     return Match(number, shared, "unloading starts from another point" if shared < len(before) else "")
 
@@ -301,8 +281,7 @@ def _added_fields(case: Case, other: Case) -> str:
 
 def _ranges_contain(case: Case, bins: Bins) -> bool:
     """Whether the ranges that an earlier study chose for its distributions contain all of the bins asked for."""
-    asked = (bins.pressure_edges, bins.gap_edges)
-    for chosen, edges in zip((case.output.pressure_range, case.output.gap_range), asked, strict=True):
+    for chosen, edges in ((case.output.pressure_range, bins.pressure_edges), (case.output.gap_range, bins.gap_edges)):
         slack = 1e-9 * (edges[-1] - edges[0])
         if chosen is not None and not chosen[0] - slack <= edges[0] < edges[-1] <= chosen[1] + slack:
             return False

@@ -3,16 +3,17 @@
 import math
 import os
 from collections.abc import Container, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import xarray as xr
 
 from contact_study.campaign import engines
 from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assemble_cases, last_states
+from contact_study.campaign.dataset.file import DatasetReader, StoredCase
 from contact_study.campaign.dataset.predictor import check_predictor
 from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.campaign.memory import require_at_once, seconds_of
@@ -22,7 +23,7 @@ from contact_study.campaign.record import Run, prepare_run
 from contact_study.campaign.resume import earlier_commits, existing_dataset, resume_run
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import check_name, is_dataset, writable_output
-from contact_study.campaign.worker.case_run import Job, run_case
+from contact_study.campaign.worker import Job, run_case
 from contact_study.inputs.errors import InputError
 from contact_study.study.checks import describe_maps
 from contact_study.study.study import Study
@@ -57,32 +58,42 @@ def run_campaign(
         study_notes += check_predictor(predictor, study, run.record.height_maps)
     work = WorkDirectory(output)
     finished = existing_dataset(work, **choices)
+    commit = provenance.git_commit()
     if finished is not None and run.record.is_recorded_in(finished):
-        return _already_done(work, finished, progress)
+        if not work.clear_leftovers():
+            progress.warn(f"{work.folder} holds steps of another run, which are left alone")
+        if finished["git_commit"] != commit:
+            other = finished["git_commit"]
+            progress.warn(f"{output} is of commit {other}, this is {commit}; --overwrite computes it again")
+        return provenance.read_flags(output)
     engines.check(options.engine, options.scheduler)
     fitting = _count_fitting_cases(run, options)
     writable_output(output)
-    commit = provenance.git_commit()
     try:
         unfinished = work.open(**choices)
         finished = existing_dataset(work, **choices)  # under the lock it cannot change any more
         study_notes += earlier_commits([unfinished, finished], commit)
-        resumed = resume_run(run, work, unfinished, finished, commit, progress)
+        resumed, earlier, whole = resume_run(run, work, unfinished, finished, commit, progress)
         for line in [*study.choices, *describe_maps(study.cases)]:
             progress.report(line)
-        for note in [*study_notes, *resumed.notes]:
+        for note in [*study_notes, *resumed]:
             progress.warn(note)
-        files, notes = _run_cases(run, work, resumed.whole, progress, options, fitting)
+        files, notes = _run_cases(run, work, whole, progress, options, fitting)
         progress.close()
         work.check_output()
-        with resumed.opened(output, bins) as stored:
-            sources = [stored.get(number) or files[number] for number in range(len(study.cases))]
+        sources: list[CaseFile | StoredCase] = [*files]
+        with DatasetReader(output, earlier.study) if earlier and whole else nullcontext() as dataset:
+            if dataset is not None:
+                held = dataset.bins(bins)
+                sources = [
+                    StoredCase(dataset, whole[at], held) if at in whole else file for at, file in enumerate(files)
+                ]
             groups, late = assemble_cases(study, bins, sources, progress)
             if finished is not None:
-                notes = [*provenance.carried_warnings(model, finished, resumed.earlier), *notes]
+                notes = [*provenance.carried_warnings(model, finished, earlier), *notes]
             notes += late
-            earlier = [finished] if finished is not None else []
-            groups[""].attrs.update(provenance.attributes(run, earlier, [*study_notes, *notes], command, commit))
+            known = [finished] if finished is not None else []
+            groups[""].attrs.update(provenance.attributes(run, known, [*study_notes, *notes], command, commit))
             work.write(groups, last_states(study, sources))
         work.publish()
     except (InputError, OSError):
@@ -96,15 +107,6 @@ def run_campaign(
     return groups
 
 
-def _already_done(work: WorkDirectory, finished: Mapping[str, Any], progress: Progress) -> Mapping[str, xr.Dataset]:
-    if not work.clear_leftovers():
-        progress.warn(f"{work.folder} holds steps of another run, which are left alone")
-    commit, now = finished["git_commit"], provenance.git_commit()
-    if commit != now:
-        progress.warn(f"{work.output} is of commit {commit}, this is {now}; --overwrite computes it again")
-    return provenance.read_flags(work.output)
-
-
 def _count_fitting_cases(run: Run, options: RunOptions) -> int:
     """Count the cases that this machine's memory holds at once; other machines check this where a case runs."""
     cases = run.study.cases
@@ -116,12 +118,13 @@ def _count_fitting_cases(run: Run, options: RunOptions) -> int:
 
 def _run_cases(
     run: Run, work: WorkDirectory, whole: Container[int], progress: Progress, options: RunOptions, fitting: int
-) -> tuple[dict[int, CaseFile], list[str]]:
-    """Run the cases that no dataset holds ``whole``, ``fitting`` at once; returns files by number, and warnings."""
+) -> tuple[list[CaseFile], list[str]]:
+    """Run the cases that no dataset holds ``whole``, ``fitting`` at once; returns the file of each, and warnings."""
     # Workers on other machines may have another working directory.
     predictor = None if run.predictor is None else run.predictor.absolute()
-    jobs = {
-        number: Job(
+    cases = run.study.cases
+    jobs = [
+        Job(
             run.model,
             replace(case, directory=case.directory.absolute()),
             run.bins,
@@ -129,26 +132,25 @@ def _run_cases(
             predictor,
             run.record.height_maps.get(str(case.surface.map_path), ""),
         )
-        for number, (case, name) in enumerate(zip(run.study.cases, run.record.case_names, strict=True))
-        if number not in whole
-    }
-    total = sum(len(case.path) for case in run.study.cases)
-    files = {number: CaseFile(job.file) for number, job in jobs.items()}
-    missing = {number: job.missing(files[number]) for number, job in jobs.items()}
-    progress.start(total, total - sum(missing.values()))
-    unfinished = [number for number in jobs if missing[number] or not files[number].has_constants]
+        for case, name in zip(cases, run.record.case_names, strict=True)
+    ]
+    total = sum(len(case.path) for case in cases)
+    files = [CaseFile(job.file) for job in jobs]
+    missing = [0 if number in whole else jobs[number].missing(files[number]) for number in range(len(cases))]
+    progress.start(total, total - sum(missing))
+    unfinished = [at for at, file in enumerate(files) if missing[at] or not (at in whole or file.has_constants)]
     if options.engine in engines.REMOTE:  # the number of its cores is unknown
         workers, threads = options.workers or len(unfinished), 1
     else:
-        cases, cores = len(run.study.cases), available_cores()
+        cores = available_cores()
         # One process per core, or per model.threads cores where cores have fewer than two cases: a further process
         # costs its start, and an odd case at the end leaves the others idle.
-        processes = cores if cases >= 2 * cores else max(1, cores // run.model.threads)
+        processes = cores if len(cases) >= 2 * cores else max(1, cores // run.model.threads)
         most = options.workers or min(fitting, processes)
         workers = min(most, len(unfinished))
         # The number of threads follows from the whole study: a resumed run repeats the arithmetic.
-        threads = max(1, cores // max(1, min(most, cases)))
-    usual = seconds_of(run.model.kind, [(run.study.cases[number], missing[number]) for number in unfinished])
+        threads = max(1, cores // max(1, min(most, len(cases))))
+    usual = seconds_of(run.model.kind, [(cases[number], missing[number]) for number in unfinished])
     progress.expected = math.sqrt(usual[0] * usual[1]) / max(1, workers) if usual else 0.0
     tasks = [partial(run_case, jobs[number], threads) for number in unfinished]
     try:
@@ -162,7 +164,7 @@ def _run_cases(
             raise engines.CampaignError(
                 f"{files[number].path}: a worker has finished steps that are not here; share the folder with all"
             )
-    return files, list(dict.fromkeys(note for file in files.values() for note in file.notes))
+    return files, list(dict.fromkeys(note for file in files for note in file.notes))
 
 
 def available_cores() -> int:

@@ -9,7 +9,7 @@ import xarray as xr
 import contact_study
 from bem_adhesion.study.model import solve_path
 from bem_adhesion.study.overdamped import OverdampedContact
-from contact_study.campaign.worker import case_run
+from contact_study.campaign import worker
 from contact_study.numerics.gradient_flow import Status, at_rest, follow
 from contact_study.results.overdamped_path import pace_of
 from contact_study.results.schema import TRAJECTORY
@@ -126,7 +126,7 @@ def test_loop_of_contact_pull_off_and_new_contact(loop):
 def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeypatch):
     path = tmp_path / "bem.nc"
     stop_at, _ = stopper(monkeypatch, OverdampedContact, "advance")
-    monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
+    monkeypatch.setattr(worker, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     with xr.open_dataset(loop) as root:
         first = int(root.iterations[0])
     for number, stop in enumerate((first - 5, 15)):  # on the way to the first point, to a later one

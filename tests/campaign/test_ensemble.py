@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact_study.campaign.worker.ensemble import Averages
+from contact_study.campaign.worker import Averages
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.time_series import statistics_of
 from contact_study.results.schema import AUTOCORRELATION_TIME, STANDARD_ERROR, variable_of

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import constants
 
-from contact_study.campaign.worker.case_run import Job, run_case
+from contact_study.campaign.worker import Job, run_case
 from contact_study.numerics.time_series import statistics_of
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.block.verlet import Action, move_plane

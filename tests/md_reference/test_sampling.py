@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.campaign.worker import case_run
-from contact_study.campaign.worker.ensemble import Averages
+from contact_study.campaign import worker
+from contact_study.campaign.worker import Averages
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.time_series import statistics_of
 from contact_study.results.schema import AUTOCORRELATION_STATES, STANDARD_ERROR, TRAJECTORY, VARIABLES
@@ -86,7 +86,7 @@ WARM = {
 )
 def test_run_stopped_anywhere_goes_on_to_the_same_bits(study, owner, method, stops, tmp_path, monkeypatch):
     stop_at, taken = stopper(monkeypatch, owner, method)
-    monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
+    monkeypatch.setattr(worker, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     stop_at(10**9)
     contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
     whole = len(taken)

@@ -27,30 +27,26 @@ from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import SweptKey
 
-# Arrays by name and labels.
-_Labelled = dict[str, dict[tuple[str, ...], np.ndarray]]
+CaseSource = CaseFile | StoredCase  # a finished case: its file, or its place in a dataset
 
-
-# A finished case: its file, or its place in a dataset.
-CaseSource = CaseFile | StoredCase
+# Position in the sweep, constants, and quantities of every step.
+_Case = tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]
 
 
 def assemble_cases(
     study: Study, bins: Bins, sources: Sequence[CaseSource], progress: Progress
 ) -> tuple[dict[str, xr.Dataset], list[str]]:
     """Assemble the groups of a study's dataset by name, "" for the root, from its cases in order; and warnings."""
-    rebinned: list[str] = []
+    rebinned: list[int] = []
     coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap, "relative_distance": RELATIVE_DISTANCE}
     pairs = progress.through(list(zip(study.cases, sources, strict=True)), "cases written to the dataset")
     longest = max(len(case.path) for case in study.cases)
-    cases = (_read(case, source, bins, rebinned) for case, source in pairs)
-    groups = assemble(study.sweep, longest, cases, coordinates)
-    if not rebinned:
-        return groups, []
-    return groups, [
+    groups = assemble(study.sweep, longest, (_read(*pair, bins, rebinned) for pair in pairs), coordinates)
+    words = (
         f"the distributions of {len(rebinned)} steps finished before were on other bins and are spread over this "
         "study's, within one bin; --overwrite computes them again"
-    ]
+    )
+    return groups, [words] if rebinned else []
 
 
 def last_states(study: Study, sources: Sequence[CaseSource]) -> Iterator[dict[str, np.ndarray]] | None:
@@ -60,38 +56,30 @@ def last_states(study: Study, sources: Sequence[CaseSource]) -> Iterator[dict[st
     return (source.state(len(case.path) - 1) for case, source in zip(study.cases, sources, strict=True))
 
 
-def _read(
-    case: Case, source: CaseSource, bins: Bins, rebinned: list[str]
-) -> tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]:
-    """Position, constants and steps of a finished case, on the study's bins; labels of others to ``rebinned``."""
+def _read(case: Case, source: CaseSource, bins: Bins, rebinned: list[int]) -> _Case:
+    """A finished case on the study's bins; the numbers of its steps with others to ``rebinned``."""
     steps = []
     for number in range(len(case.path)):
         values, own = source.step(number)
         if own is not bins and not own.equal(bins):
-            rebinned.append(f"{case.label}, point {number + 1}")
+            rebinned.append(number)
             before, after = own.edges_of, bins.edges_of
-            names = {key: quantity_of(key)[1] for key in values}
-            values = {
-                key: redistributed(value, before[names[key]], after[names[key]]) if names[key] in before else value
-                for key, value in values.items()
-            }
+            for key in values:
+                if (name := quantity_of(key)[1]) in before:
+                    values[key] = redistributed(values[key], before[name], after[name])
         steps.append(values)
     constants = source.constants
     if "mean_separation" in steps[0]:  # a simulation's; a theory gives its path results itself
         control = case.loading.control
         # A longer path may have lost a path result of the shorter one.
-        constants = {
-            name: value for name, value in constants.items() if name.removesuffix(RESOLUTION_ERROR) not in PATH_RESULTS
-        }
+        for name in [name for name in constants if name.removesuffix(RESOLUTION_ERROR) in PATH_RESULTS]:
+            del constants[name]
         constants |= path_results(series_of(steps, control), control)
     return case.index, constants, steps
 
 
 def assemble(
-    sweep: Mapping[str, SweptKey],
-    steps: int,
-    cases: Iterable[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]],
-    coordinates: Mapping[str, np.ndarray],
+    sweep: Mapping[str, SweptKey], steps: int, cases: Iterable[_Case], coordinates: Mapping[str, np.ndarray]
 ) -> dict[str, xr.Dataset]:
     """Assemble datasets by group from the steps of every case; shorter arrays are padded at their ends."""
     lengths = tuple(len(swept.values) for swept in sweep.values())
@@ -102,7 +90,7 @@ def assemble(
         for name in dict.fromkeys(name for values in path for name in values):
             along_path = {(*index, number): values[name] for number, values in enumerate(path) if name in values}
             _insert(arrays, name, along_path, (*lengths, steps))
-    groups: dict[str, _Labelled] = {"": {}}
+    groups: dict[str, dict[str, dict[tuple[str, ...], np.ndarray]]] = {"": {}}
     # A group inherits dimensions and labels from the groups above it.
     along: dict[str, dict[str, None]] = {dim: {} for dim in LABELS}
     for key, array in arrays.items():
@@ -112,12 +100,13 @@ def assemble(
         for dim, label in zip(LABELS, labels, strict=False):
             along[dim][label] = None
         groups.setdefault(group, {}).setdefault(name, {})[labels] = array
+    known = {**coordinates, **{dim: np.array([*labels]) for dim, labels in along.items()}}
+    known["step"] = np.arange(steps, dtype=np.int32)
     on_step = {
         name: groups[""][name] for name in groups[""] if name in COORDINATES and variable_of(name).dims == ("step",)
     }
-    known = {**coordinates, **{dim: np.array([*labels]) for dim, labels in along.items()}}
     return {
-        group: _dataset({**on_step, **content}, sweep, known, steps, (FRAME,) if group == TRAJECTORY else ())
+        group: _dataset({**on_step, **content}, sweep, known, (FRAME,) if group == TRAJECTORY else ())
         for group, content in groups.items()
     }
 
@@ -151,22 +140,22 @@ def _corner(shape: tuple[int, ...]) -> tuple[slice, ...]:
 
 
 def _dataset(
-    content: _Labelled,
+    content: Mapping[str, Mapping[tuple[str, ...], np.ndarray]],
     sweep: Mapping[str, SweptKey],
     coordinates: Mapping[str, np.ndarray],
-    steps: int,
-    beyond: tuple[str, ...] = (),
+    beyond: tuple[str, ...],
 ) -> xr.Dataset:
     """Make one group; quantities that are no coordinates have the dimensions ``beyond`` after their own."""
     data: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}
     for name, arrays in content.items():
-        array, labels = _side_by_side(arrays, variable_of(name).empty, len(sweep), coordinates)
-        dims = (*sweep, *labels, *variable_of(name).dims, *(() if name in COORDINATES else beyond))
-        target = coords if name in COORDINATES else data
-        if name in COORDINATES or not variable_of(name).dims or variable_of(name).dims[0] != "step":
+        own = variable_of(name).dims
+        labels = LABELS[: len(next(iter(arrays)))]
+        array = _side_by_side(name, arrays, labels, len(sweep), coordinates)
+        dims = (*sweep, *labels, *own, *(() if name in COORDINATES else beyond))
+        if name in COORDINATES or own[:1] != ("step",):
             array, dims = _drop_constant_sweep(array, dims, len(sweep))
-        target[name] = xr.Variable(dims, array, _attributes(name))
+        (coords if name in COORDINATES else data)[name] = xr.Variable(dims, array, _attributes(name))
     # A coordinate that changes over the sweep cannot index its own dimension, which is then a plain index.
     indices = {
         name: f"{name}_index" for name, variable in coords.items() if name in variable.dims and variable.ndim > 1
@@ -174,33 +163,32 @@ def _dataset(
     for variable in [*data.values(), *coords.values()]:
         variable.dims = tuple(indices.get(str(dim), dim) for dim in variable.dims)
     used = {dim for variable in [*data.values(), *coords.values()] for dim in variable.dims}
-    for name, values in {**coordinates, "step": np.arange(steps, dtype=np.int32)}.items():
+    for name, values in coordinates.items():
         if name in used and name not in coords:
             coords[name] = xr.Variable((name,), values, _attributes(name))
     for name, swept in sweep.items():
-        coords[name] = xr.Variable(
-            (name,), np.asarray(swept.values), {"units": swept.units, "long_name": swept.description}
-        )
+        attributes = {"units": swept.units, "long_name": swept.description}
+        coords[name] = xr.Variable((name,), np.asarray(swept.values), attributes)
     return xr.Dataset(data, coords)
 
 
 def _side_by_side(
-    arrays: Mapping[tuple[str, ...], np.ndarray], empty: Any, swept: int, coordinates: Mapping[str, np.ndarray]
-) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Stack arrays along the dimensions of their labels, after the ``swept`` ones; returns these dimensions, too."""
-    (count,) = {len(labels) for labels in arrays}
-    dims = LABELS[:count]
+    name: str,
+    arrays: Mapping[tuple[str, ...], np.ndarray],
+    dims: Sequence[str],
+    swept: int,
+    coordinates: Mapping[str, np.ndarray],
+) -> np.ndarray:
+    """Stack arrays along the dimensions ``dims`` of their labels, after the ``swept`` ones."""
     if not dims:
-        return arrays[()], dims
-    first = next(iter(arrays.values()))
-    rest = np.max([array.shape[swept:] for array in arrays.values()], axis=0).astype(int)
-    shape = (*first.shape[:swept], *(len(coordinates[dim]) for dim in dims), *rest)
-    whole: np.ndarray = np.full(shape, empty, dtype=first.dtype)
-    for labels, array in arrays.items():
-        at = [int(np.argmax(coordinates[dim] == label)) for dim, label in zip(dims, labels, strict=True)]
-        place: tuple[Any, ...] = (*_corner(shape[:swept]), *at, *_corner(array.shape[swept:]))
-        whole[place] = array
-    return whole, dims
+        return arrays[()]
+    whole: dict[str, np.ndarray] = {}
+    places = {
+        tuple(int(np.argmax(coordinates[dim] == label)) for dim, label in zip(dims, labels, strict=True)): array
+        for labels, array in arrays.items()
+    }
+    _insert(whole, name, places, tuple(len(coordinates[dim]) for dim in dims))
+    return np.moveaxis(whole[name], range(len(dims)), range(swept, swept + len(dims)))
 
 
 def _drop_constant_sweep(array: np.ndarray, dims: tuple[str, ...], swept: int) -> tuple[np.ndarray, tuple[str, ...]]:

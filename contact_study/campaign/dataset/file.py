@@ -5,13 +5,13 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store import records
 from contact_study.campaign.store.files import engine_of, is_dataset, is_zarr, readable, write_aside
 from contact_study.inputs.errors import InputError
@@ -19,7 +19,7 @@ from contact_study.numerics.distributions import Bins
 from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
 from contact_study.study.study import Study
 
-# Group of the restart states in datasets of earlier versions.
+# Group of the restart states in datasets of earlier versions: variables such as ``case_12_state``.
 _RESTART = "restart"
 _OWNER, _STATE = b"ownr", b"stat"  # records of the restart states
 
@@ -48,17 +48,15 @@ def _write_zarr(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
     import zarr  # an extra
 
     for group, dataset in groups.items():
-        encoding = {str(name): _of_zarr(str(name), variable) for name, variable in dataset.variables.items()}
+        encoding: dict[str, dict[str, Any]] = {}
+        for name, variable in dataset.variables.items():  # Zarr compresses by default, and writes one file per chunk
+            own = _encoding(str(name), variable)
+            encoding[str(name)] = {key: own[key] for key in ("_FillValue", "dtype") if key in own}
+            encoding[str(name)] |= {"chunks": chunks_of(variable.shape)} if variable.size else {}
         # Format 2 specifies how text is stored; the index of all groups is written at the end.
         mode: Any = "a" if group else "w"
         dataset.to_zarr(path, mode=mode, group=group or None, encoding=encoding, zarr_format=2, consolidated=False)
     zarr.consolidate_metadata(str(path), zarr_format=2)
-
-
-def _of_zarr(name: str, variable: xr.Variable) -> dict[str, Any]:
-    """Encoding for Zarr, which compresses by default and writes one file per chunk."""
-    kept = {key: value for key, value in _encoding(name, variable).items() if key in ("_FillValue", "dtype")}
-    return {**kept, "chunks": chunks_of(variable.shape)} if variable.size else kept
 
 
 def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:
@@ -103,38 +101,25 @@ def states_file(dataset: Path) -> Path:
 
 def write_states(path: Path, history: str, states: Iterable[Mapping[str, Any]]) -> None:
     """Write the states of the cases of a dataset, in their order; no file if all are empty."""
-    kept = ((number, state) for number, state in enumerate(states) if state)
+    kept = ((_STATE, number, state, None) for number, state in enumerate(states) if state)
     first = next(kept, None)
-    if first is None:
-        return
-
-    def write(partial: Path) -> None:
-        with partial.open("wb") as stream:
-            records.append(stream, _OWNER, 0, {}, history)
-            for number, state in itertools.chain([first], kept):
-                records.append(stream, _STATE, number, state)
-
-    write_aside(path, write)
+    if first is not None:
+        records.write(path, itertools.chain([(_OWNER, 0, {}, history), first], kept))
 
 
-class States:
+class States(records.RecordFile):
     """Reader of restart states, and the history of their dataset; None without a readable file."""
 
     def __init__(self, path: Path):
-        self._path = path
-        self._records: dict[int, records.Record] = {}
         self.history: str | None = None
-        with suppress(OSError, ValueError), path.open("rb") as stream:
-            for record in records.records_in(stream):
-                if record.kind == _OWNER:
-                    self.history = records.read(stream, record)[1]
-                else:
-                    self._records[record.number] = record
+        with suppress(KeyError, OSError, CampaignError):
+            super().__init__(path)
+            self.history = self._read((_OWNER, 0))[1]
 
     def state(self, number: int) -> dict[str, np.ndarray]:
         """State after the last step of a case; empty if it was not kept, or is damaged."""
-        with suppress(KeyError, OSError, ValueError), self._path.open("rb") as stream:
-            return records.read(stream, self._records[number])[0]
+        with suppress(KeyError, OSError, CampaignError):
+            return self._read((_STATE, number))[0]
         return {}
 
 
@@ -179,15 +164,6 @@ class DatasetReader:
                 width = (centres[-1] - centres[0]) / (centres.size - 1)
                 edges[f"{name}_edges"] = np.linspace(centres[0] - width / 2, centres[-1] + width / 2, centres.size + 1)
         return replace(own, **edges)
-
-    @cached_property
-    def grouped_states(self) -> dict[int, dict[str, xr.DataArray]]:
-        """States in a dataset of an earlier version: variables such as ``case_12_state``."""
-        found: dict[int, dict[str, xr.DataArray]] = {}
-        for name, variable in self.tree[_RESTART].to_dataset(inherit=False).data_vars.items():
-            _, number, own = str(name).split("_", 2)
-            found.setdefault(int(number), {})[own] = variable
-        return found
 
     def _read_quantities(self) -> Iterator[_Quantity]:
         """Yield the quantities of all groups; those larger than a distribution stay in the file."""
@@ -249,5 +225,7 @@ class StoredCase:
         if _RESTART not in dataset.tree.children:
             current = dataset.states.history == dataset.tree.attrs.get("history")
             return dataset.states.state(self._number) if current else {}
+        prefix = f"case_{self._number}_"
         with readable(dataset.path):
-            return {name: kept.values for name, kept in dataset.grouped_states.get(self._number, {}).items()}
+            kept = dataset.tree[_RESTART].data_vars.items()
+            return {name[len(prefix) :]: state.values for name, state in kept if name.startswith(prefix)}

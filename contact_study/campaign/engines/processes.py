@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
 from typing import Any
 
@@ -19,7 +19,8 @@ def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
     # Forking a process with FFTW plans and compiled kernels is not safe everywhere.
     context = mp.get_context("spawn")
     queue = context.Queue()
-    reporting = threading.Lock()
+    reporting, sharing = threading.Lock(), threading.RLock()
+    waiting, submitted = list(tasks), list[Future[None]]()
 
     def forward(*event: Any) -> None:
         with reporting:
@@ -31,31 +32,43 @@ def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
 
     def own_step(*event: Any) -> None:
         forward(*event)
-        for future in shared.submitted:
+        for future in submitted:
             if future.done():
                 future.result()
+
+    # The last case of a sweep usually takes longest (strongest adhesion), so it starts first.
+    def next_task() -> Task | None:
+        with sharing:
+            return waiting.pop() if waiting else None
+
+    def submit(before: Future[None] | None = None) -> None:
+        """Submit the next task to the executor, and after it another one unless it failed."""
+        if before is not None and (before.cancelled() or before.exception() is not None):
+            return
+        with sharing, suppress(BrokenProcessPool):  # the running tasks raise it
+            if waiting:
+                submitted.append(executor.submit(_run_queued, waiting.pop()))
+                submitted[-1].add_done_callback(submit)
 
     listener = threading.Thread(target=listen, daemon=True)
     listener.start()
     executor = ProcessPoolExecutor(max(1, workers - 1), context, _start_worker, (queue,))
-    # The last case of a sweep usually takes longest (strongest adhesion), so it starts first.
-    shared = _SharedTasks(tasks, executor)
     try:
-        own = shared.next_task() if workers > 1 else None
+        own = next_task() if workers > 1 else None
         with _blocked_interrupts():  # workers inherit this: the parent alone handles Ctrl-C
             for _ in range(workers - 1 if workers > 1 else len(tasks)):
-                shared.submit()
+                submit()
         while own is not None:
             own(own_step)
-            own = shared.next_task()
-        for future in as_completed(shared.submitted):
+            own = next_task()
+        for future in as_completed(submitted):
             future.result()
         executor.shutdown()  # a worker sends its last reports first
     except BrokenProcessPool:
         raise CampaignError("a worker process was killed (out of memory?)") from None
     except BaseException:
-        with shared.lock:
-            shared.waiting.clear()
+        with sharing:
+            waiting.clear()
         for child in mp.active_children():
             child.terminate()
         raise
@@ -63,35 +76,6 @@ def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
         executor.shutdown(wait=False, cancel_futures=True)
         queue.put(None)
         listener.join(timeout=5)
-
-
-class _SharedTasks:
-    """Tasks that this process and those of an executor run one after the other, the last one first."""
-
-    def __init__(self, tasks: Sequence[Task], executor: ProcessPoolExecutor):
-        self.waiting = list(tasks)
-        self.submitted: list[Future[None]] = []
-        self.lock = threading.Lock()
-        self._executor = executor
-
-    def next_task(self) -> Task | None:
-        """Remove and return the next task; None if none is left."""
-        with self.lock:
-            return self.waiting.pop() if self.waiting else None
-
-    def submit(self, before: "Future[None] | None" = None) -> None:
-        """Submit the next task to the executor, and after it another one unless it failed."""
-        if before is not None and (before.cancelled() or before.exception() is not None):
-            return
-        with self.lock:
-            if not self.waiting:
-                return
-            try:
-                future = self._executor.submit(_run_queued, self.waiting.pop())
-            except BrokenProcessPool:  # the running tasks raise it
-                return
-            self.submitted.append(future)
-        future.add_done_callback(self.submit)
 
 
 @contextmanager

@@ -5,7 +5,7 @@ opens a case renames a copy to its place: an abandoned one that still runs then 
 """
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -15,7 +15,7 @@ import numpy as np
 from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store import records
 from contact_study.campaign.store.files import write_aside, writing
-from contact_study.campaign.store.records import Record
+from contact_study.campaign.store.records import Content, Key, Record, RecordFile
 from contact_study.numerics.distributions import Bins
 from contact_study.results.state import Step, Value
 
@@ -24,31 +24,9 @@ _CONSTANTS, _NOTES, _STEP, _STATE, _PARTIAL = b"cons", b"note", b"step", b"stat"
 # Least bytes of obsolete states for which a file is rewritten.
 _LEAST_GAIN = 2**20
 
-_Key = tuple[bytes, int]
 
-
-class CaseFile:
+class CaseFile(RecordFile):
     """Reader of the file of a case; empty if there is none. An incomplete last record, after a kill, is no damage."""
-
-    def __init__(self, path: Path):
-        self.path = path
-        self.damaged = False
-        self._records: dict[_Key, Record] = {}
-        with suppress(FileNotFoundError), path.open("rb") as stream:
-            try:
-                for record in records.records_in(stream):
-                    self._records[record.kind, record.number] = record
-            except ValueError:
-                self.damaged = True
-
-    def check(self) -> None:
-        """Verify every record; drop corrupt ones."""
-        if not self._records:
-            return
-        with self.path.open("rb") as stream:
-            whole = {key: record for key, record in self._records.items() if records.is_whole(stream, record)}
-        self.damaged |= len(whole) < len(self._records)
-        self._records = whole
 
     @property
     def has_steps(self) -> bool:
@@ -92,14 +70,12 @@ class CaseFile:
 
     def step_text(self, number: int, name: str) -> str | None:
         """A text among the quantities of a step; None if the step is missing."""
-        return str(self._read((_STEP, number), records.read_text)[0][name]) if self.has_step(number) else None
+        return str(self._read((_STEP, number), arrays=False)[0][name]) if self.has_step(number) else None
 
     def usable_steps(self, bins: Bins) -> int:
         """Count the steps from the first on whose distributions fit the bins."""
         number = 0
-        while self.has_step(number):
-            if not Bins.evenly(*self._read((_STEP, number), records.read_text)[1]).hold(bins):
-                break
+        while self.has_step(number) and Bins.evenly(*self._read((_STEP, number), arrays=False)[1]).hold(bins):
             number += 1
         return number
 
@@ -122,7 +98,7 @@ class CaseFile:
         if self.damaged or len(kept) < len(self._records):
             write_aside(self.path, write)
 
-    def _kept(self, first: int, partial: bool, oldest: int = -1) -> list[_Key]:
+    def _kept(self, first: int, partial: bool, oldest: int = -1) -> list[Key]:
         """All records but those of the steps from ``first`` on, and the states before the ``oldest`` one."""
         return [
             (kind, number)
@@ -133,25 +109,16 @@ class CaseFile:
             or (kind == _PARTIAL and oldest < number < first + partial)
         ]
 
-    def _copy(self, target: BinaryIO, keys: Iterable[_Key]) -> None:
+    def _copy(self, target: BinaryIO, keys: Iterable[Key]) -> None:
         """Copy records into a new file, whose records they become."""
-        copied: dict[_Key, Record] = {}
-        if self._records:
+        copied: dict[Key, Record] = {}
+        for key in keys:
             with self.path.open("rb") as stream:
-                try:
-                    copied = {key: records.copy(stream, self._records[key], target) for key in keys}
-                except ValueError as error:
-                    raise CampaignError(f"{self.path}: {error}") from None
+                content = self._bytes(stream, key)
+            start = target.tell()
+            target.write(content)
+            copied[key] = self._records[key]._replace(start=start, end=target.tell())
         self._records = copied
-
-    def _read(
-        self, key: _Key, how: Callable[[BinaryIO, Record], tuple[dict[str, Any], Any]] = records.read
-    ) -> tuple[dict[str, Any], Any]:
-        try:
-            with self.path.open("rb") as stream:
-                return how(stream, self._records[key])
-        except ValueError as error:
-            raise CampaignError(f"{self.path}: {error}") from None
 
 
 class CaseWriter(CaseFile):
@@ -194,21 +161,25 @@ class CaseWriter(CaseFile):
         spans = None if step.bins is None else step.bins.spans
         self._append((_STATE, number, step.restart, None), (_STEP, number, {**step.values, **step.fields}, spans))
 
-    def _append(self, *content: tuple[bytes, int, Mapping[str, Any], Any]) -> None:
+    def _append(self, *content: Content) -> None:
         stream = self._stream
         assert stream is not None
         with writing(self.path):
-            found = [records.append(stream, *one) for one in content]
+            found = {one[:2]: records.append(stream, *one) for one in content}
             stream.flush()
-        if not self._has_name(stream):
+        try:
+            is_named = os.path.samestat(self.path.stat(), os.fstat(stream.fileno()))
+        except OSError:
+            is_named = False
+        if not is_named:
             raise CampaignError(f"{self.path}: was deleted, or taken over by another run, while its case ran")
-        self._records |= {(record.kind, record.number): record for record in found}
-        live = sum(self._records[key].size for key in self._live)
+        self._records |= found
+        live = sum(self._records[key].end - self._records[key].start for key in self._live)
         if stream.tell() - live > max(live, _LEAST_GAIN):
             self._rewrite()
 
     @property
-    def _live(self) -> list[_Key]:
+    def _live(self) -> list[Key]:
         return self._kept(self.start, partial=True, oldest=self.start - 1)
 
     def _rewrite(self) -> None:
@@ -231,24 +202,10 @@ class CaseWriter(CaseFile):
             if before is not None:
                 before.close()
 
-    def _has_name(self, stream: BinaryIO) -> bool:
-        try:
-            return os.path.samestat(self.path.stat(), os.fstat(stream.fileno()))
-        except OSError:
-            return False
-
 
 def write_case(
-    path: Path, constants: Mapping[str, Any], steps: Sequence[Mapping[str, Any]], bins: Bins, state: Mapping[str, Any]
+    path: Path, constants: Mapping[str, Any], steps: Iterable[Mapping[str, Any]], bins: Bins, state: Mapping[str, Any]
 ) -> None:
     """Write a case file as of a run that stopped after these steps; it appears by rename."""
-
-    def write(partial: Path) -> None:
-        with partial.open("wb") as stream:
-            records.append(stream, _CONSTANTS, 0, constants)
-            for number, values in enumerate(steps):
-                records.append(stream, _STEP, number, values, bins.spans)
-            if steps:
-                records.append(stream, _STATE, len(steps) - 1, state)
-
-    write_aside(path, write)
+    content = [(_STEP, number, values, bins.spans) for number, values in enumerate(steps)]
+    records.write(path, [(_CONSTANTS, 0, constants, None), *content, (_STATE, len(content) - 1, state, None)])
