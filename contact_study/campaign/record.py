@@ -49,22 +49,16 @@ class RunRecord:
     def read(cls, attributes: Mapping[str, Any], directory: Path | str, ignores: tuple[str, ...] = ()) -> "RunRecord":
         """Read the record from global attributes; an InputError does not name the dataset."""
         try:
-            table = tomllib.loads(str(attributes["study_toml"]))
+            study = make_study(tomllib.loads(str(attributes["study_toml"])), directory)
         except (KeyError, tomllib.TOMLDecodeError):
             raise InputError("does not hold the study it came from (attribute study_toml)") from None
-        try:
-            study = make_study(table, directory)
         except InputError as error:
             raise InputError(f"its study is not one this version can read: {error}") from None
-        return cls(
-            str(attributes.get("model", "unknown")),
-            study,
-            recorded_height_maps(attributes),
-            ignores,
-            str(attributes.get("version", "unknown")),
-            str(attributes.get("schema_version", "unknown")),
-            str(attributes.get("predictor", "")),
+        kind, version, schema = (
+            str(attributes.get(name, "unknown")) for name in ("model", "version", "schema_version")
         )
+        maps = recorded_height_maps(attributes)
+        return cls(kind, study, maps, ignores, version, schema, str(attributes.get("predictor", "")))
 
     @property
     def attributes(self) -> dict[str, str]:

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import threading
 import time
-import tomllib
 from functools import partial
 from pathlib import Path
 
@@ -18,26 +17,24 @@ from contact_study.campaign import engines
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.inputs.errors import InputError
 from tests.campaign.tasks import die, fail, square, wait_for
-from tests.campaign.toy_model import TOY
-from tests.campaign.toy_study import STUDY, assert_same, steps_on_disk
-from tests.commands import main
+from tests.campaign.toy_study import TABLE, assert_same, names, steps_on_disk
 
 distributed = pytest.importorskip("distributed")
 # Dask's own, on its way down.
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
-@pytest.fixture(scope="module")
-def cluster():
-    """Two workers, each a process under a nanny."""
-    with started(2) as local:
-        yield local
-
-
 def started(workers, **options):
+    """A cluster of workers, each a process under a nanny."""
     return distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=50, **options
     )
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    with started(2) as local:
+        yield local
 
 
 def on(cluster, tasks, report=lambda *_: None, workers=4):
@@ -75,27 +72,35 @@ def test_tasks_nobody_waits_for_end_themselves(cluster, tmp_path):
     assert not (tmp_path / "ended").exists()
 
 
-def run(study, output, *arguments):
-    return main(TOY, [str(argument) for argument in (study, "-o", output, *arguments)])
+@pytest.fixture
+def dask(run):
+    """Run the study on a cluster."""
+
+    def on_cluster(address, *arguments, output="dask.nc"):
+        where = ("--engine", "dask", "--scheduler", str(getattr(address, "scheduler_address", address)))
+        return run(TABLE, *where, *arguments, "--workers", "4", output=output)
+
+    return on_cluster
 
 
-def test_numbers_are_those_of_one_machine(cluster, study, built, tmp_path, capsys, monkeypatch):
+def test_numbers_are_those_of_one_machine(cluster, dask, built, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # a relative path is the client's, not the workers'
-    assert run("study.toml", "dask.nc", "--engine", "dask", "--scheduler", cluster.scheduler_address) == 0
-    lines = [line for line in capsys.readouterr().err.splitlines() if "contact area" in line]
+    status, _, said = dask(cluster, "-o", "dask.nc")
+    assert status == 0
+    lines = [line for line in said.splitlines() if "contact area" in line]
     assert len(lines) == 14
     assert lines[-1].startswith("toy: [14/14] ")
-    assert_same(built(tomllib.loads(STUDY)), tmp_path / "dask.nc")
+    assert_same(built(TABLE), tmp_path / "dask.nc")
 
 
 @pytest.mark.validation
-def test_killed_worker_is_replaced_and_its_cases_resume(study, built, tmp_path, capsys):
+def test_killed_worker_is_replaced_and_its_cases_resume(dask, built, tmp_path):
     killed = []
     with started(2, env={"TOY_SECONDS": "0.5"}) as local:
         pids = {name: worker.pid for name, worker in local.workers.items()}
 
         def kill():
-            parts = tmp_path / "killed.nc.parts"
+            parts = tmp_path / "dask.nc.parts"
             while steps_on_disk(parts) < 3:
                 time.sleep(0.02)
             time.sleep(0.2)  # into the next step
@@ -104,13 +109,14 @@ def test_killed_worker_is_replaced_and_its_cases_resume(study, built, tmp_path, 
 
         thread = threading.Thread(target=kill, daemon=True)
         thread.start()
-        assert run(study, tmp_path / "killed.nc", "--engine", "dask", "--scheduler", local.scheduler_address) == 0
+        status, _, said = dask(local)
+        assert status == 0
         thread.join()
         assert 3 <= killed[0] < 14
         assert local.workers[0].pid != pids[0], "a nanny has replaced it"
-    lines = [line.partition("] ")[2] for line in capsys.readouterr().err.splitlines() if "/14] " in line]
+    lines = [line.partition("] ")[2] for line in said.splitlines() if "/14] " in line]
     assert len(lines) == len({line.rpartition(" (")[0] for line in lines}) == 14
-    assert_same(built(tomllib.loads(STUDY)), tmp_path / "killed.nc")
+    assert_same(built(TABLE), tmp_path / "dask.nc")
 
 
 @pytest.mark.validation
@@ -145,15 +151,13 @@ def test_events_are_read_and_not_executed(cluster, tmp_path):
 
 
 @pytest.mark.validation
-def test_a_case_beyond_the_memory_of_a_worker_is_told_by_it(study, tmp_path, capsys):
+def test_a_case_beyond_the_memory_of_a_worker_is_told_by_it(dask, tmp_path):
     with started(1, memory_limit="1 GB") as local:
-        where = ("--engine", "dask", "--scheduler", local.scheduler_address)
-        large = ("--surface.shape", "[4000, 4000]", "--output.fields", "false")
-        assert run(study, tmp_path / "bem.nc", *large, *where) == 1
-    said = capsys.readouterr().err.splitlines()[-1]
-    host = socket.gethostname()
-    assert f"surface.shape = [4000, 4000]: needs at least 1.6 GB of memory, a Dask worker on {host} has 1 GB" in said
-    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
+        status, _, said = dask(local, "--surface.shape", "[4000, 4000]", "--output.fields", "false")
+    assert status == 1
+    words = f"needs at least 1.6 GB of memory, a Dask worker on {socket.gethostname()} has 1 GB"
+    assert f"surface.shape = [4000, 4000]: {words}" in said.splitlines()[-1]
+    assert names(tmp_path) == []
 
 
 @pytest.mark.validation
@@ -183,39 +187,34 @@ def test_a_scheduler_that_is_lost_is_one_line(study, tmp_path):
             process.wait()
 
 
-def refused(study, tmp_path, capsys, *arguments):
-    capsys.readouterr()
-    assert run(study, tmp_path / "no.nc", *arguments) == 1
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1, said
-    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
-    return said
-
-
-def test_schedulers_that_are_none_and_workers_of_another_version(cluster, study, tmp_path, capsys, monkeypatch):
+def test_schedulers_that_are_none_and_workers_of_another_version(cluster, run, study, tmp_path, monkeypatch):
     monkeypatch.setattr("contact_study.campaign.engines.dask._TIMEOUT", "0.5s")
     monkeypatch.setattr("contact_study.campaign.engines.dask.__version__", "9.9")
-    dask = ("--engine", "dask", "--scheduler")
-    for address, words in (
-        ("tcp://127.0.0.1:9", "--scheduler tcp://127.0.0.1:9: does not answer"),
-        ("none.json", "--scheduler none.json: does not answer (no such file"),
-        (str(study), "study.toml: is no file of a scheduler"),
-        (cluster.scheduler_address, "this is 9.9"),
+    dask = ("--engine", "dask")
+    for arguments, words in (
+        ((*dask, "--scheduler", "tcp://127.0.0.1:9"), "--scheduler tcp://127.0.0.1:9: does not answer"),
+        ((*dask, "--scheduler", "none.json"), "--scheduler none.json: does not answer (no such file"),
+        ((*dask, "--scheduler", str(study)), "study.toml: is no file of a scheduler"),
+        ((*dask, "--scheduler", cluster.scheduler_address), "this is 9.9"),
+        (dask, "--engine dask: needs --scheduler ADDRESS"),
+        (("--scheduler", "x"), "--scheduler x: goes with --engine dask"),
     ):
-        assert words in refused(study, tmp_path, capsys, *dask, address)
-    assert "--engine dask: needs --scheduler ADDRESS" in refused(study, tmp_path, capsys, "--engine", "dask")
-    assert "--scheduler x: goes with --engine dask" in refused(study, tmp_path, capsys, "--scheduler", "x")
+        status, _, said = run(TABLE, *arguments)
+        assert (status, said.count("\n"), names(tmp_path)) == (1, 1, [])
+        assert words in said
 
 
-def test_folder_that_is_not_shared_is_said(study, tmp_path, monkeypatch, capsys):
+def test_folder_that_is_not_shared_is_said(run, monkeypatch):
     with monkeypatch.context() as patch:
         there = Path.is_dir
         patch.setattr(Path, "is_dir", lambda path: there(path) and not path.name.endswith(".parts"))
-        assert run(study, tmp_path / "bem.nc", "--workers", 1) == 1
-        assert "bem.nc.parts does not exist on " in capsys.readouterr().err
+        status, _, said = run(TABLE)
+        assert status == 1
+        assert "bem.nc.parts does not exist on " in said
     monkeypatch.setitem(ENGINES, "serial", lambda *_: None)
-    assert run(study, tmp_path / "bem.nc", "--workers", 1, "--engine", "serial", "--resume") == 1
-    assert "a worker has finished steps that are not here" in capsys.readouterr().err
+    status, _, said = run(TABLE, "--engine", "serial", "--resume")
+    assert status == 1
+    assert "a worker has finished steps that are not here" in said
 
 
 @pytest.mark.parametrize(("arguments", "imported"), [((), False), (("--engine", "dask"), True)])

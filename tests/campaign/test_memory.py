@@ -18,24 +18,7 @@ from tests.commands import main
 NEED = 16 * 16 * 100.0  # of a case of the toy's study
 
 
-@pytest.fixture
-def groups(tmp_path, monkeypatch):
-    """Write what the system says of the groups that this process is in; returns the memory that is found."""
-    monkeypatch.setattr(memory, "_GROUPS", tmp_path / "groups")
-    monkeypatch.setattr(memory, "_OWN_GROUPS", tmp_path / "own")
-
-    def said(own, limits):
-        (tmp_path / "own").write_text(own)
-        for name, limit in limits.items():
-            path = tmp_path / "groups" / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(limit)
-        return memory._memory()
-
-    return said
-
-
-JOB = "system.slice/slurmstepd.scope/job_7"
+JOB, SLURM = "system.slice/slurmstepd.scope/job_7", "memory/slurm/job_7/memory.limit_in_bytes"
 
 
 @pytest.mark.parametrize(
@@ -43,23 +26,30 @@ JOB = "system.slice/slurmstepd.scope/job_7"
     [
         (f"0::/{JOB}/step_0/user/task_0\n", {f"{JOB}/memory.max": "4000\n", f"{JOB}/step_0/memory.max": "max\n"}, 4000),
         ("0::/\n", {"memory.max": "5000\n"}, 5000),  # in a container
-        ("4:cpu,memory:/slurm/job_7/step_0\n1:pids:/x\n", {"memory/slurm/job_7/memory.limit_in_bytes": "6000\n"}, 6000),
-        ("4:memory:/slurm/job_7\n", {"memory/slurm/job_7/memory.limit_in_bytes": "9223372036854771712\n"}, None),
-        ("4:pids:/slurm/job_7\n", {"memory/slurm/job_7/memory.limit_in_bytes": "6000\n"}, None),
+        ("4:cpu,memory:/slurm/job_7/step_0\n1:pids:/x\n", {SLURM: "6000\n"}, 6000),
+        ("4:memory:/slurm/job_7\n", {SLURM: "9223372036854771712\n"}, None),
+        ("4:pids:/slurm/job_7\n", {SLURM: "6000\n"}, None),
         (f"0::/{JOB}\n", {f"{JOB}/memory.max": "max\n"}, None),
     ],
 )
-def test_memory_is_that_of_the_job(groups, own, limits, found):
-    machine = groups("", {})
+def test_memory_is_that_of_the_job(tmp_path, monkeypatch, own, limits, found):
+    monkeypatch.setattr(memory, "_GROUPS", tmp_path / "groups")
+    monkeypatch.setattr(memory, "_OWN_GROUPS", tmp_path / "own")
+    machine = memory._memory()
     assert machine > 1e9
-    assert groups(own, limits) == (machine if found is None else found)
+    (tmp_path / "own").write_text(own)
+    for name, limit in limits.items():
+        path = tmp_path / "groups" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(limit)
+    assert memory._memory() == (found or machine)
     if found is not None:
         with pytest.raises(InputError, match=f"needs at least 1 GB of memory, the job on {socket.gethostname()} has"):
             memory.require(memory.Need(1e9, "surface.shape = [1, 1]", "fewer points"))
 
 
 @pytest.fixture
-def started(tmp_path, monkeypatch):
+def started(study, tmp_path, monkeypatch):
     def workers_and_threads(table, model, cores, asked):
         found, run = [], engines.run
 
@@ -67,28 +57,26 @@ def started(tmp_path, monkeypatch):
             found.append((workers, tasks[0].args[1]))
             run(tasks, 1, *rest)
 
-        monkeypatch.setattr(engines, "run", kept)
         monkeypatch.setattr(runner, "available_cores", lambda: cores)
-        (tmp_path / "study.toml").write_text(make_study(table).toml)
+        study.write_text(make_study(table).toml)
         more = [] if asked is None else ["--workers", str(asked)]
-        assert main(model, [str(tmp_path / "study.toml"), "-o", str(tmp_path / "bem.nc"), *more]) == 0
+        with monkeypatch.context() as patch:
+            patch.setattr(engines, "run", kept)
+            assert main(model, [str(study), "-o", str(tmp_path / "bem.nc"), "--overwrite", *more]) == 0
         return found[0]
 
     return workers_and_threads
 
 
-@pytest.mark.parametrize(
-    ("held", "asked", "workers"),
-    [(4.5, None, 2), (1.5, None, 1), (2.5, 2, 2), (2.5, 5, 2)],  # there are two cases
-)
-def test_no_more_cases_at_once_than_memory_holds(started, monkeypatch, held, asked, workers):
-    monkeypatch.setattr(memory, "_memory", lambda: held * NEED)
-    assert started(changed(), TOY, 8, asked)[0] == workers
+def test_no_more_cases_at_once_than_memory_holds(started, monkeypatch):
+    for held, asked, workers in ((4.5, None, 2), (1.5, None, 1), (2.5, 2, 2), (2.5, 5, 2)):  # there are two cases
+        monkeypatch.setattr(memory, "_memory", lambda held=held: held * NEED)
+        assert started(changed(), TOY, 8, asked)[0] == workers
 
 
-@pytest.mark.parametrize(
-    ("cores", "busy", "asked", "chosen"),
-    [
+def test_a_case_has_the_cores_that_it_keeps_busy(started):
+    table = changed(sweep={"surface.seed": [1, 2]})
+    for cores, busy, asked, chosen in (
         (8, 1, None, (4, 2)),  # there are four cases
         (8, 1, 3, (3, 2)),
         (1, 2, None, (1, 1)),
@@ -97,11 +85,8 @@ def test_no_more_cases_at_once_than_memory_holds(started, monkeypatch, held, ask
         (5, 2, None, (2, 2)),
         (2, 2, 2, (2, 1)),  # asked for
         (4, 2, 1, (1, 4)),
-    ],
-)
-def test_a_case_has_the_cores_that_it_keeps_busy(started, cores, busy, asked, chosen):
-    table = changed(sweep={"surface.seed": [1, 2]})
-    assert started(table, dataclasses.replace(TOY, threads=busy), cores, asked) == chosen
+    ):
+        assert started(table, dataclasses.replace(TOY, threads=busy), cores, asked) == chosen
 
 
 def test_more_workers_than_memory_holds_are_refused(run, tmp_path, monkeypatch):

@@ -48,9 +48,9 @@ def seeds(built):
 def refused(merge, tmp_path):
     """Join datasets in vain: one line that has these words, and nothing is written."""
 
-    def refuse(arguments, *words):
+    def refuse(arguments, *words, output="none.nc"):
         before = names(tmp_path)
-        status, said = merge(*arguments, output="none.nc")
+        status, said = merge(*arguments, output=output)
         assert (status, said.count("\n")) == (1, 1), said
         for word in words:
             assert word in said, said
@@ -68,12 +68,12 @@ def test_seeds_join_to_what_one_run_writes(seeds, built, merge, tmp_path):
     joined, expected = (States(states_file(path)) for path in (tmp_path / "all.nc", whole))
     for number in range(6):
         np.testing.assert_array_equal(joined.state(number)["state"], expected.state(number)["state"])
-    with xr.open_datatree(tmp_path / "all.nc") as one, xr.open_datatree(whole) as two:
-        for name in ("source", "model", "title", "warnings", "git_commit", "version"):
-            assert one.attrs[name] == two.attrs[name], name
+    with xr.open_dataset(tmp_path / "all.nc") as one, xr.open_dataset(whole) as two:
+        own = ("history",)
+        assert {**one.attrs, **dict.fromkeys(own)} == {**two.attrs, **dict.fromkeys(own)}
         history = one.attrs["history"].splitlines()
-        assert len(history) == 4
-        assert history[0].partition(": ")[2].startswith("contact-merge ")
+    assert len(history) == 4
+    assert history[0].partition(": ")[2].startswith("contact-merge ")
     assert names(tmp_path) == ["all.nc", "all.nc.restart"]
 
 
@@ -82,54 +82,44 @@ BINS = changed(**SWEPT, output={"pressure_range": None})
 FREE = {"study": {"title": "renamed"}, "theory": {"alpha": 2.0}, "solver": {"threads": 1}}
 RENAMED = changed(**SWEPT, surface={"size": "10 nm"}, **FREE)
 
-# The parts, each with its arguments; the study of the whole; what is said.
+# The parts, each with its arguments; the study of the whole.
 JOINED = {
-    "warnings": ([(WARNING, RATIO, "1"), (WARNING, RATIO, "2")], WARNING, ""),
-    "seeds that nobody sweeps": ([(UNSWEPT, SEED, "10"), (UNSWEPT, SEED, "2")], with_sweep(surface_seed=[2, 10]), ""),
+    "warnings": ([(WARNING, RATIO, "1"), (WARNING, RATIO, "2")], WARNING),
+    "seeds that nobody sweeps": ([(UNSWEPT, SEED, "10"), (UNSWEPT, SEED, "2")], with_sweep(surface_seed=[2, 10])),
     "one with a sweep": (
         [(UNSWEPT, SEED, "7"), (with_sweep(surface_seed=[1, 2]),)],
         with_sweep(surface_seed=[1, 2, 7]),
-        "",
     ),
-    "other bins": (
-        [(BINS, RATIO, "40"), (BINS, RATIO, "1")],
-        with_sweep(BINS, interaction_well_depth_ratio=[1, 40], surface_seed=[1, 2, 3]),
-        "on other bins",
-    ),
-    "what decides nothing": ([(WHOLE, SEED, "1"), (RENAMED, SEED, "2"), (WHOLE, SEED, "3")], WHOLE, ""),
-    "an overlap": ([(WHOLE, SEED, "1"), (WHOLE, SEED, "1, 2"), (WHOLE, SEED, "3")], WHOLE, ""),
+    "what decides nothing": ([(WHOLE, SEED, "1"), (RENAMED, SEED, "2"), (WHOLE, SEED, "3")], WHOLE),
+    "an overlap": ([(WHOLE, SEED, "1"), (WHOLE, SEED, "1, 2"), (WHOLE, SEED, "3")], WHOLE),
 }
 
 
-@pytest.mark.parametrize(("parts", "whole", "words"), JOINED.values(), ids=JOINED)
-def test_joined_is_what_one_run_writes(built, merge, tmp_path, parts, whole, words):
-    files = [built(*part) for part in parts]
-    status, said = merge(*files)
-    assert status == 0, said
-    assert words in said
-    expected = built(whole)
-    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(expected) as dataset:
-        if not words:
-            assert_same(tmp_path / "all.nc", expected)
-            assert joined.attrs["warnings"] == dataset.attrs["warnings"]
-            return
-        assert words in joined.attrs["warnings"]
-        np.testing.assert_array_equal(joined.pressure_bin, dataset.pressure_bin)
-        np.testing.assert_array_equal(joined.relative_contact_area, dataset.relative_contact_area)
-        np.testing.assert_array_equal(joined.well_depth_ratio, [1, 40])
+@pytest.mark.parametrize(("parts", "whole"), JOINED.values(), ids=JOINED)
+def test_joined_is_what_one_run_writes(built, merge, tmp_path, parts, whole):
+    assert merge(*(built(*part) for part in parts))[0] == 0
+    assert_same(tmp_path / "all.nc", built(whole))
+    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(built(whole)) as dataset:
+        assert joined.attrs["warnings"] == dataset.attrs["warnings"]
+
+
+def test_other_bins_are_said(built, merge, tmp_path):
+    status, said = merge(*(built(BINS, RATIO, ratio) for ratio in ("40", "1")))
+    assert status == 0
+    assert "on other bins" in said
+    whole = with_sweep(BINS, interaction_well_depth_ratio=[1, 40], surface_seed=[1, 2, 3])
+    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(built(whole)) as dataset:
+        assert "on other bins" in joined.attrs["warnings"]
+        for name in ("pressure_bin", "relative_contact_area", "well_depth_ratio"):
+            np.testing.assert_array_equal(joined[name], dataset[name])
 
 
 def test_values_in_other_units_are_one_point(built, merge, tmp_path):
     others = {"surface": {"rms_height": None}, "output": {"gap_range": ["0 nm", "4 nm"]}}
     heights = ["1 angstrom", "0.5 nm"], ["5 angstrom", "0.3 nm"]
-    files = [built(changed(sweep={"surface.rms_height": two}, **others)) for two in heights]
-    assert merge(*files)[0] == 0
+    assert merge(*(built(changed(sweep={"surface.rms_height": two}, **others)) for two in heights))[0] == 0
     with xr.open_dataset(tmp_path / "all.nc") as joined:
         np.testing.assert_allclose(joined.rms_height, [1e-10, 3e-10, 5e-10], rtol=1e-15)
-        for file in files:
-            with xr.open_dataset(file) as part:
-                at = {"rms_height": part.rms_height.values, "method": "nearest"}
-                np.testing.assert_array_equal(joined.relative_contact_area.sel(**at), part.relative_contact_area)
 
 
 def test_joined_study_is_gone_on_from(seeds, built, merge, run, tmp_path):
@@ -151,18 +141,15 @@ def test_a_key_that_nobody_sweeps_is_named_or_joined_along(built, merge, refused
     assert_same(tmp_path / "all.nc", built(with_sweep(surface_hurst_exponent=[0.7, 0.8])))
 
 
-DIFFERENT = {
-    "loading.path": {"loading": LONGER_PATH},
-    "loading.unload": {"loading": {"unload": True}},
-    "output.pressure_bins": {"output": {"pressure_bins": 100}},
-}
-
-
-@pytest.mark.parametrize("key", DIFFERENT)
-def test_different_studies_are_refused_by_key(seeds, built, refused, key):
-    other = built(changed(**SWEPT, **DIFFERENT[key]), SEED, "2")
-    for files in ((seeds[0], other), (other, seeds[0])):
-        refused(files, f"{files[0]} and {files[1]} are of different studies: {key} is ")
+def test_different_studies_are_refused_by_key(seeds, built, refused):
+    for key, sections in (
+        ("loading.path", {"loading": LONGER_PATH}),
+        ("loading.unload", {"loading": {"unload": True}}),
+        ("output.pressure_bins", {"output": {"pressure_bins": 100}}),
+    ):
+        other = built(changed(**SWEPT, **sections), SEED, "2")
+        for files in ((seeds[0], other), (other, seeds[0])):
+            refused(files, f"{files[0]} and {files[1]} are of different studies: {key} is ")
     exception = {"when": {"surface.seed": 2}, "loading.path": ["0.1 GPa", "3 GPa"]}
     own = built({**WHOLE, "override": [exception]}, SEED, "2")
     refused((seeds[0], own), "loading.path is [1e+08, 1e+09, 2e+09] in the one and [1e+08, 3e+09]")
@@ -174,33 +161,26 @@ def test_what_an_overlap_does_not_need_is_said(seeds, built, merge):
     assert said == f"contact-merge: warning: {seeds[1]}: holds nothing that the datasets before it do not\n"
 
 
-@pytest.mark.parametrize("name", ["relative_contact_area", "gap", "contact_modulus"])
-def test_overlap_that_disagrees_is_refused(seeds, refused, tmp_path, name):
-    shutil.copy(seeds[1], tmp_path / "tampered.nc")
-    with netCDF4.Dataset(tmp_path / "tampered.nc", "r+") as dataset:
-        last = (-1,) * dataset[name].ndim
-        dataset[name][last] = dataset[name][last] * (1 + 1e-12)
-    where = "1.0, seed = 2" if name == "contact_modulus" else "4.0, seed = 2, point 3"
-    words = f"disagree at well_depth_ratio = {where}: {name} is "
-    refused((*seeds[:2], tmp_path / "tampered.nc"), words, "leave one of them")
+def test_overlap_that_disagrees_is_refused(seeds, refused, tmp_path):
+    for name in ("relative_contact_area", "gap", "contact_modulus"):
+        shutil.copy(seeds[1], tmp_path / "tampered.nc")
+        with netCDF4.Dataset(tmp_path / "tampered.nc", "r+") as dataset:
+            last = (-1,) * dataset[name].ndim
+            dataset[name][last] = dataset[name][last] * (1 + 1e-12)
+        where = "1.0, seed = 2" if name == "contact_modulus" else "4.0, seed = 2, point 3"
+        words = f"disagree at well_depth_ratio = {where}: {name} is "
+        refused((*seeds[:2], tmp_path / "tampered.nc"), words, "leave one of them")
 
 
-def test_output_is_not_lost(seeds, merge, tmp_path):
-    def refused(arguments, words, **output):
-        status, said = merge(*arguments, **output)
-        assert (status, said.count("\n")) == (1, 1)
-        assert words in said
-
+def test_output_is_not_lost(seeds, merge, refused, tmp_path):
     (tmp_path / "all.nc").write_text("precious")
-    refused(seeds[:2], "all.nc exists; use --overwrite")
+    refused(seeds[:2], "all.nc exists; use --overwrite", output="all.nc")
     assert (tmp_path / "all.nc").read_text() == "precious"
     assert merge(*seeds[:2], "--overwrite") == (0, "")
-    refused((tmp_path / "all.nc", seeds[2], "--overwrite"), "is one of the datasets to join")
+    refused((tmp_path / "all.nc", seeds[2], "--overwrite"), "is one of the datasets to join", output="all.nc")
     # Steps of a run that goes on there are not touched.
     (tmp_path / "new.nc.parts" / "case-1").mkdir(parents=True)
     refused(seeds[:2], "holds the steps of an unfinished run", output="new.nc")
-    assert (tmp_path / "new.nc.parts" / "case-1").is_dir()
-    assert not (tmp_path / "new.nc.parts.lock").exists()
 
 
 def test_interrupted_merge_leaves_nothing(seeds, merge, tmp_path, monkeypatch):
@@ -266,10 +246,10 @@ def test_height_maps_need_not_be_at_hand(run, merge, refused, tmp_path):
         run(table, RATIO, file.stem, output=file.name)
     (tmp_path / "map.npy").unlink()
     assert merge(*files[:2]) == (0, "")
-    with xr.open_dataset(tmp_path / "all.nc") as joined, xr.open_dataset(tmp_path / "whole.nc") as expected:
-        np.testing.assert_array_equal(joined.gap, expected.gap)
-        np.testing.assert_allclose(joined.pressure_bin, expected.pressure_bin, rtol=1e-12)
-        assert joined.attrs["height_maps"] == expected.attrs["height_maps"]
+    joined, expected = (xr.load_dataset(tmp_path / name) for name in ("all.nc", "whole.nc"))
+    np.testing.assert_array_equal(joined.gap, expected.gap)
+    np.testing.assert_allclose(joined.pressure_bin, expected.pressure_bin, rtol=1e-12)
+    assert joined.attrs["height_maps"] == expected.attrs["height_maps"]
     np.save(tmp_path / "map.npy", 2 * heights)
     run(table, RATIO, "2", output="2.nc")
     refused((files[0], files[2]), "the height map map.npy had another content")

@@ -1,6 +1,7 @@
 """Gap fields of another dataset are found by case, pressure and visit."""
 
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -14,10 +15,16 @@ from tests.study.test_study import changed, of_another_kind
 PATH = [1e8, 1e9, 1e8, 2e9]
 
 
-def study(ratios=(1, 4), path=PATH, **sections):
-    """The study of the dataset, or another with further sections and keys."""
-    table = changed("sweep", **{"interaction.well_depth_ratio": list(ratios)})
-    table["loading"]["path"] = path
+def study(ratio=(1, 4), seed=1, **sections):
+    """A study that sweeps some ratios, or one of a single case, with further sections and keys."""
+    if isinstance(ratio, tuple):
+        table = changed("sweep", **{"interaction.well_depth_ratio": [*ratio]})
+    else:
+        table = changed("interaction", well_depth_ratio=ratio)
+        table["surface"]["seed"] = seed
+        if "kind" in sections.get("surface", {}):
+            of_another_kind(table)
+    table["loading"]["path"] = PATH
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
     return make_study(table)
@@ -28,32 +35,15 @@ def content_of(study, path, **attrs):
     shape = (*(len(key.values) for key in study.sweep.values()), len(PATH))
     dims = (*study.sweep, "step")
     gap = np.arange(float(np.prod(shape))).reshape(shape)[..., None, None] + np.zeros((3, 5))
-    xr.Dataset(
-        {
-            "gap": ((*dims, "y", "x"), gap),
-            "converged": (dims, np.ones(shape, np.int8)),
-            "detached": (dims, np.zeros(shape, np.int8)),
-        },
-        {
-            **{name: list(key.values) for name, key in study.sweep.items()},
-            "applied_pressure": ("step", PATH),
-            "branch": ("step", np.zeros(4, np.int8)),
-        },
-        {"study_toml": study.toml, **attrs},
-    ).to_netcdf(path)
+    data = {"gap": ((*dims, "y", "x"), gap)}
+    data |= {name: (dims, np.full(shape, value, np.int8)) for name, value in (("converged", 1), ("detached", 0))}
+    coordinates = {name: list(key.values) for name, key in study.sweep.items()}
+    coordinates |= {"applied_pressure": ("step", PATH), "branch": ("step", np.zeros(4, np.int8))}
+    xr.Dataset(data, coordinates, {"study_toml": study.toml, **attrs}).to_netcdf(path)
     return path
 
 
-def single(ratio=4.0, seed=1, **sections):
-    """A study of one case, nothing swept."""
-    table = changed("interaction", well_depth_ratio=ratio)
-    table["surface"]["seed"] = seed
-    table["loading"]["path"] = PATH
-    if "kind" in sections.get("surface", {}):
-        of_another_kind(table)
-    for name, keys in sections.items():
-        table.setdefault(name, {}).update(keys)
-    return make_study(table)
+single = partial(study, 4.0)
 
 
 @pytest.fixture
@@ -74,38 +64,37 @@ def dataset(tmp_path):
     ],
 )
 def test_field_of_the_same_visit(dataset, ratio, loading, found):
-    fields = GapFields(dataset, study([ratio], [*PATH, 3e9], loading=loading).cases[0])
+    fields = GapFields(dataset, study((ratio,), loading={"path": [*PATH, 3e9], **loading}).cases[0])
     at = [fields(number) for number in range(len(found))]
     assert [field if field is None else field[0, 0] for field in at] == found
     assert all(field is None or field.shape == (3, 5) for field in at)
 
 
-@pytest.mark.parametrize("content", [None, b"garbage", "no gap", "no study"])
-def test_unusable_predictor(tmp_path, content):
+def test_unusable_predictor(tmp_path):
     path = tmp_path / "bem.nc"
-    if content == "no gap":
-        xr.Dataset({"mean_gap": ("step", [1.0])}).to_netcdf(path)
-    elif content == "no study":
-        content_of(single(), path, study_toml="[surface]\nkind = 3")
-    elif content is not None:
-        path.write_bytes(content)
-    words = r"bem\.nc its study is not one this version can read" if content == "no study" else ""
-    with pytest.raises(InputError, match=f"--predictor.*{words}"):
-        check_predictor(path, study(), {})
+    for make, words in (
+        (lambda: None, "does not exist"),
+        (lambda: path.write_bytes(b"garbage"), "cannot be read as NetCDF"),
+        (lambda: xr.Dataset({"mean_gap": ("step", [1.0])}).to_netcdf(path), "holds no gap fields"),
+        (lambda: content_of(single(), path, study_toml="[surface]\nkind = 3"), "its study is not one this version"),
+    ):
+        make()
+        with pytest.raises(InputError, match=rf"--predictor.*bem\.nc.* {words}"):
+            check_predictor(path, study(), {})
 
 
 def test_dataset_that_sweeps_more_than_the_run(tmp_path):
     swept = study(sweep={"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2, 3]})
     path = content_of(swept, tmp_path / "bem.nc")
-    (case,) = single(ratio=4.0, seed=2).cases
-    assert check_predictor(path, single(ratio=4.0, seed=2), {}) == []
+    (case,) = single(seed=2).cases
+    assert check_predictor(path, single(seed=2), {}) == []
     # Position [1, 1] of 2 x 3 cases of four states each.
     assert [GapFields(path, case)(number)[0, 0] for number in range(4)] == [16.0, 17.0, 16.0 + 2, 19.0]
-    assert GapFields(path, single(ratio=4.0, seed=9).cases[0])(0) is None
+    assert GapFields(path, single(seed=9).cases[0])(0) is None
 
 
 def test_run_that_sweeps_more_than_the_dataset(tmp_path):
-    path = content_of(single(ratio=4.0), tmp_path / "bem.nc")
+    path = content_of(single(), tmp_path / "bem.nc")
     one, four = study().cases
     assert GapFields(path, one)(0) is None
     assert GapFields(path, four)(0)[0, 0] == 0.0

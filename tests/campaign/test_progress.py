@@ -12,13 +12,13 @@ from contact_study.numerics import life
 def test_a_line_says_what_became_of_a_step(capsys):
     progress = Progress("toy")
     progress.start(3, 0)
-    progress.step(
-        "", "1 GPa", {"relative_contact_area": 0.25, "converged": True, "detached": False, "message": ""}, 1.0
-    )
-    apart = {"relative_contact_area": 0.0, "converged": True, "detached": True, "message": "detached: torn off"}
-    progress.step("case 2", "-1 GPa", apart, 0.1)
-    lost = {"relative_contact_area": 0.5, "converged": False, "detached": False, "message": ""}
-    progress.step("", "2 GPa", lost, 0.1)
+    for label, point, area, converged, detached, message, seconds in (
+        ("", "1 GPa", 0.25, True, False, "", 1.0),
+        ("case 2", "-1 GPa", 0.0, True, True, "detached: torn off", 0.1),
+        ("", "2 GPa", 0.5, False, False, "", 0.1),
+    ):
+        flags = {"converged": converged, "detached": detached, "message": message}
+        progress.step(label, point, {"relative_contact_area": area, **flags}, seconds)
     assert capsys.readouterr().err.splitlines() == [
         "toy: [1/3] 1 GPa, contact area 0.2500 (1.0 s)",
         "toy: [2/3] case 2: -1 GPa, detached: torn off (0.1 s)",

@@ -67,23 +67,21 @@ def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
     writable_output(path)
     folder = path.with_suffix("")
     folder.mkdir(exist_ok=True)
-    images = []
     spacing = [float(dataset[name].values[1] - dataset[name].values[0]) * _LENGTH for name in ("x", "y")]
+    series, written = VtkGroup(str(folder)), [path]
     for step in range(dataset.sizes["step"]):
         fields = {
-            title: _image(dataset[name].isel(step=step) if "step" in dataset[name].dims else dataset[name], scale)
+            title: _image(dataset[name].isel(step=step, missing_dims="ignore"), scale)
             for name, (title, scale) in _FIELDS.items()
             if name in dataset
         }
         if np.all(np.isnan(fields[_FIELDS["pressure"][0]])):
             continue  # beyond the end of a path shorter than others
-        written = imageToVTK(str(folder / f"step_{step:04d}"), spacing=(*spacing, max(spacing)), pointData=fields)
-        images.append((step, Path(written)))
-    series = VtkGroup(str(path.with_suffix("")))
-    for step, image in images:
-        series.addFile(str(image), step)
+        image = imageToVTK(str(folder / f"step_{step:04d}"), spacing=(*spacing, max(spacing)), pointData=fields)
+        series.addFile(image, step)
+        written.append(Path(image))
     series.save()
-    return [path, *(image for _, image in images)]
+    return written
 
 
 def _image(field: xr.DataArray, scale: float) -> np.ndarray:
@@ -156,14 +154,15 @@ def _frame(state: xr.Dataset) -> "Atoms | None":
     if np.isnan(height).all():
         return None
     explicit = "node_z" in state
-    block = _vectors(state, "node_x", "node_y", "node_z") if explicit else _surface(state)
+    if not explicit:
+        x, y = state["x"] + state["lateral_displacement_x"], state["y"] + state["lateral_displacement_y"]
+        state = state.assign(node_x=x.transpose("y", "x"), node_y=y.transpose("y", "x"), node_z=state["atom_height"])
+    block = _vectors(state, "node_x", "node_y", "node_z")
     site_y, site_x = np.meshgrid(state["site_y"].values, state["site_x"].values, indexing="ij")
     sites = np.stack([site_x, site_y, state["substrate_height"].values], axis=-1).reshape(-1, 3)
     positions = np.concatenate([block, sites]) / _ANGSTROM
     lowest, highest = positions[:, 2].min(), positions[:, 2].max()
-    periods = [
-        state.sizes[axis] * float(state[axis].values[1] - state[axis].values[0]) / _ANGSTROM for axis in ("x", "y")
-    ]
+    periods = [state.sizes[axis] * float(state[axis][1] - state[axis][0]) / _ANGSTROM for axis in ("x", "y")]
     atoms = Atoms(
         _UNKNOWN * (len(block) + len(sites)),
         positions,
@@ -189,13 +188,6 @@ def _frame(state: xr.Dataset) -> "Atoms | None":
         prefix = "node_velocity" if explicit else "velocity"
         column("velo", _vectors(state, *(f"{prefix}_{axis}" for axis in "xyz")) / _ANGSTROM_PER_PICOSECOND)
     return atoms
-
-
-def _surface(state: xr.Dataset) -> np.ndarray:
-    """Positions of the bottom layer (m), shape (atoms, 3)."""
-    x = state["x"].values[None, :] + state["lateral_displacement_x"].values
-    y = state["y"].values[:, None] + state["lateral_displacement_y"].values
-    return np.stack([x, y, state["atom_height"].values], axis=-1).reshape(-1, 3)
 
 
 def _vectors(state: xr.Dataset, *names: str) -> np.ndarray:

@@ -45,7 +45,7 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
         if "gap" not in dataset or not str(dataset["gap"].dims[-1]).startswith("x"):
             raise InputError(f"{_OPTION}: {path} holds no gap fields; write it with output.fields = true")
         attributes = dict(dataset.attrs)
-    other, maps = _study(path, attributes), record.recorded_height_maps(attributes)
+    other, maps = _study(path, str(attributes.get("study_toml"))), record.recorded_height_maps(attributes)
     differing: dict[str, tuple[Any, Any]] = {}
     for case in study.cases:
         start = _start_case(other, case)
@@ -71,7 +71,7 @@ class GapFields:
         self._case = case
         self._points = path_points_of(case)
         with _opened(path) as dataset:
-            study = _study(path, dataset.attrs)
+            study = _study(path, str(dataset.attrs.get("study_toml")))
         start = _start_case(study, case)
         self._index = None if start is None else dict(zip(study.sweep, start.index, strict=True))
 
@@ -86,8 +86,10 @@ class GapFields:
             state = dataset.isel(step=points.index(self._points[number]))
             if not usable(state):
                 return None
-            field = _unpadded(state["gap"].values.astype(float))
-            return field if field.size else None  # not among output.field_steps
+            field = state["gap"].values.astype(float)
+        there = ~np.isnan(field)  # rows and columns of NaN pad it in a sweep over sizes
+        field = field[: np.count_nonzero(there.any(axis=1)), : np.count_nonzero(there.any(axis=0))]
+        return field if field.size else None  # not among output.field_steps
 
     def fingerprint(self, number: int) -> str:
         """SHA-256 of the field of a path point; empty where there is none."""
@@ -101,16 +103,12 @@ def _opened(path: Path) -> Iterator[xr.Dataset]:
         yield dataset
 
 
-def _study(path: Path, attributes: Mapping[str, Any]) -> Study:
+@lru_cache(maxsize=1)  # every case of a study asks for it
+def _study(path: Path, toml: str) -> Study:
     try:
-        return _read_study(str(attributes.get("study_toml")), path.parent)
+        return record.RunRecord.read({"study_toml": toml}, path.parent).study
     except InputError as error:
         raise InputError(f"{_OPTION}: {path} {error}") from None
-
-
-@lru_cache(maxsize=1)  # every case of a study asks for it
-def _read_study(toml: str, directory: Path) -> Study:
-    return record.RunRecord.read({"study_toml": toml}, directory).study
 
 
 def _start_case(study: Study, case: Case) -> Case | None:
@@ -118,36 +116,21 @@ def _start_case(study: Study, case: Case) -> Case | None:
     swept = {*study.sweep, *case.coordinates}
     contact = {name for section in _CONTACT for name in keys_of(SECTIONS[section])} - {*_NO_CONTACT} | {"path"}
 
-    def shared(other: Case) -> int:
-        return sum(same(_value_of(other, name), _value_of(case, name)) for name in swept - contact)
+    def shared(other: Case, names: set[str]) -> int:
+        return sum(same(_value_of(other, name), _value_of(case, name)) for name in names)
 
-    def alike(other: Case) -> bool:
-        return all(same(_value_of(other, name), _value_of(case, name)) for name in swept & contact)
-
-    return max(filter(alike, study.cases), key=shared, default=None)
+    alike = (other for other in study.cases if shared(other, swept & contact) == len(swept & contact))
+    return max(alike, key=lambda other: shared(other, swept - contact), default=None)
 
 
-def _value_of(case: Case, key: str) -> Any:
-    """Value of a key, ``"section.key"`` or the last part of a swept one; None where the case has no such key."""
-    section, _, name = key.rpartition(".")
-    for candidate in [section] if section else [one for one in SECTIONS if one not in WHOLE_STUDY]:
-        content = getattr(case, candidate)
-        if name in keys_of(type(content)):
-            return getattr(content, name)
-    return None
+def _value_of(case: Case, name: str) -> Any:
+    """Value of a swept key by its last part; None where the case has no such key."""
+    sections = (getattr(case, section) for section in SECTIONS if section not in WHOLE_STUDY)
+    return next((getattr(section, name) for section in sections if name in keys_of(type(section))), None)
 
 
 def _contact_keys(case: Case) -> dict[str, Any]:
     """Keys that define the contact of a case."""
-    values = {
-        key: value
-        for key, value in record.key_values(case, _CONTACT)
-        if key.rpartition(".")[2] not in (*_NO_CONTACT, *_ADHESION)
-    }
+    left_out = (*_NO_CONTACT, *_ADHESION)
+    values = {key: value for key, value in record.key_values(case, _CONTACT) if key.split(".")[1] not in left_out}
     return {**values, "the work of adhesion": case.law.work_of_adhesion, "loading.control": case.loading.control}
-
-
-def _unpadded(field: np.ndarray) -> np.ndarray:
-    """A field without the rows and columns of NaN that pad it in a sweep over sizes."""
-    there = ~np.isnan(field)
-    return field[: np.count_nonzero(there.any(axis=1)), : np.count_nonzero(there.any(axis=0))]

@@ -14,21 +14,15 @@ import numpy as np
 import xarray as xr
 from filelock import FileLock, Timeout
 
-from contact_study.campaign.dataset.file import (
-    States,
-    attributes_of,
-    history_of,
-    states_file,
-    write_dataset,
-    write_states,
-)
+from contact_study.campaign.dataset import file as files
+from contact_study.campaign.dataset.file import States, attributes_of, history_of, states_file
 from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import mark_of, move_dataset, restore_dataset, write_aside
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import has_locks
 
-_REPLACES, _STORAGE, _COMMIT = "replaces", "storage", "git_commit"
+_REPLACES, _STORAGE = "replaces", "storage"
 _STORAGE_VERSION = 2  # one file per case; version 1 had a folder per case with one file per step
 
 
@@ -69,25 +63,21 @@ class WorkDirectory:
             )
         claimed = self._claimed()
         if claimed.get(_STORAGE) != _STORAGE_VERSION:
+            fault = "has lost the record of its run (manifest.json);"
             if any(self.folder.glob("case-*")):
                 fault = "holds steps in the format of an earlier version; finish them with that version, or"
-            else:
-                fault = "has lost the record of its run (manifest.json);"
             raise InputError(f"{self.folder}: {fault} drop them with --overwrite")
         return claimed
 
     def _acquire_lock(self) -> None:
         if not has_locks(self.folder.parent):
-            raise InputError(
-                f"{self.output}: the file system of its folder has no locks (flock), which exclude a second run; "
-                "choose an output elsewhere, or have it mounted with locks"
-            )
+            fault = "the file system of its folder has no locks (flock), which exclude a second run"
+            raise InputError(f"{self.output}: {fault}; choose an output elsewhere, or have it mounted with locks")
         try:
             self._lock.acquire(blocking=False)
         except Timeout:
-            raise InputError(
-                f"{self.output}: another run is writing it; wait for its end or choose another output"
-            ) from None
+            fault = "another run is writing it; wait for its end or choose another output"
+            raise InputError(f"{self.output}: {fault}") from None
 
     def _holds_cases(self) -> bool:
         return any(self.folder.glob("*case*"))
@@ -126,10 +116,10 @@ class WorkDirectory:
 
     def write(self, groups: Mapping[str, xr.Dataset], states: Iterable[Mapping[str, np.ndarray]] | None) -> None:
         """Write the dataset, and the state after the last point of each case if given, inside the directory."""
-        write_dataset(self._dataset, groups)
+        files.write_dataset(self._dataset, groups)
         self._states.unlink(missing_ok=True)
         if states is not None:
-            write_states(self._states, str(groups[""].attrs["history"]), states)
+            files.write_states(self._states, str(groups[""].attrs["history"]), states)
 
     def publish(self) -> None:
         """Rename what is written to the output, and remove the directory."""
@@ -157,9 +147,9 @@ class WorkDirectory:
             return False
         self._publish_states()
         written = attributes_of(self.output) or {}
-        claimed = {name: value for name, value in self._claimed().items() if name not in (_REPLACES, _STORAGE, _COMMIT)}
-        is_written = bool(claimed) and all(written.get(name) == value for name, value in claimed.items())
-        if is_written or not any(self.folder.glob("*")):
+        own = (_REPLACES, _STORAGE, "git_commit")
+        claimed = {name: value for name, value in self._claimed().items() if name not in own}
+        if (claimed and claimed.items() <= written.items()) or not any(self.folder.glob("*")):
             self.remove()
         self.close()
         return not self.folder.exists()

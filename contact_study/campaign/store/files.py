@@ -26,11 +26,7 @@ def engine_of(path: Path) -> str:
 
 def is_dataset(path: Path) -> bool:
     """Whether a path leads to a file, or a folder of Zarr."""
-    return _is_store(path) if is_zarr(path) else path.is_file()
-
-
-def _is_store(path: Path) -> bool:
-    return any((path / name).is_file() for name in _STORE)
+    return any((path / name).is_file() for name in _STORE) if is_zarr(path) else path.is_file()
 
 
 def require_dataset(path: Path, name: str = "") -> None:
@@ -59,14 +55,13 @@ def writable_output(path: Path) -> None:
     if is_zarr(path):
         if importlib.util.find_spec("zarr") is None:
             raise InputError(f"{path}: needs the package zarr; pip install '.[zarr]'")
-        if path.exists() and not _is_store(path):
+        if path.exists() and not is_dataset(path):
             raise InputError(f"{path}: is there and is no Zarr; choose another output")
     if path.is_dir() and not is_zarr(path):
         raise InputError(f"{path}: is a folder; name a file")
-    if path.is_symlink() and Path(real(path)).is_symlink():
-        raise InputError(f"{path}: is a loop of links; choose another output")
-    if path.exists() and not path.is_file() and not is_zarr(path):
-        raise InputError(f"{path}: is a device, not a file; choose another output")
+    loop = path.is_symlink() and Path(real(path)).is_symlink()
+    if loop or (path.exists() and not path.is_file() and not is_zarr(path)):
+        raise InputError(f"{path}: is a {'loop of links' if loop else 'device, not a file'}; choose another output")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         probe = path.parent / f".{path.name}.{os.getpid()}"
@@ -134,7 +129,7 @@ def move_dataset(dataset: Path, path: Path) -> None:
     if not path.is_dir():
         dataset.replace(path)
         return
-    if not is_zarr(path) or not _is_store(path):
+    if not is_zarr(path) or not is_dataset(path):
         raise IsADirectoryError(f"{path}: is a folder, and no dataset that may be replaced")
     # No rename replaces a folder: after a kill in between, restore_dataset puts the earlier one back.
     path.rename(_earlier(dataset, path))
@@ -143,7 +138,7 @@ def move_dataset(dataset: Path, path: Path) -> None:
 
 def restore_dataset(dataset: Path, path: Path) -> None:
     """Put an earlier dataset back whose :func:`move_dataset` was killed."""
-    if not path.exists() and _is_store(_earlier(dataset, path)):
+    if not path.exists() and is_dataset(_earlier(dataset, path)):
         _earlier(dataset, path).rename(path)
 
 

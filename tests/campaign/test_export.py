@@ -1,8 +1,9 @@
-"""Atoms one by one in a dataset, and as extended XYZ read back by ASE."""
+"""Atoms as extended XYZ read back by ASE; fields for ParaView, read back as VTK lays them out: x fastest."""
 
 import pathlib
-import re
+import sys
 import warnings
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from scipy import constants
 
 import contact_study
 from contact_study import plots
-from contact_study.campaign.dataset.export import to_xyz
+from contact_study.campaign.dataset.export import to_vtk, to_xyz
 from contact_study.plots.maps import NEEDED
 from contact_study.report.align.states import read_atoms
 from contact_study.report.facts.shown_states import panel_points
@@ -19,6 +20,7 @@ from contact_study.start import contact_compare
 from contact_study.study.study import make_study
 from md_reference.study.dynamics import build_block
 from md_reference.study.model import check
+from tests.campaign.test_library import STUDY
 from tests.md_reference.systems import R0, SPACING, WELL_DEPTH, moving
 
 ANGSTROM = 1e-10
@@ -38,7 +40,7 @@ def dataset(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def moved():
-    study = moving(output={"atoms": "block"}, dynamics={"duration": "1 ps", "frames": 4})
+    study = moving(output={"atoms": "block"}, dynamics={"duration": "0.3 ps", "frames": 4})
     with pytest.warns(UserWarning, match="converge"):
         return contact_study.run(study, "atomistic")
 
@@ -120,7 +122,6 @@ def test_explicit_block_has_its_levels_and_velocities(moved, tmp_path):
     np.testing.assert_allclose(
         nodes.arrays["velo"][:256, 0] * 100, surface.velocity_x.values.ravel(), atol=100 * DIGITS
     )
-    # The kinetic energy of the columns is that of the dataset.
     mass = constants.atomic_mass * nodes.get_masses()
     kinetic = np.sum(mass[:, None] * (100 * nodes.arrays["velo"]) ** 2)
     assert 0.5 * kinetic / 41.6e-10**2 == pytest.approx(surface.kinetic_energy.item(), rel=1e-6)
@@ -143,22 +144,6 @@ def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
     with warnings.catch_warnings():  # the continuum knows no atoms: nothing is computed anew
         warnings.simplefilter("error")
         contact_study.run(with_atoms, output=tmp_path / "bem.nc", resume=True)
-
-
-def test_what_cannot_be_written(dataset, tmp_path, monkeypatch):
-    for given, name, culprit in (
-        (dataset.expand_dims({"seed": [1, 2]}), "atoms.xyz", r"dataset\.isel\(seed=0\)"),
-        (dataset.drop_vars("atom_height"), "atoms.xyz", r"output\.atoms"),
-        (dataset, "atoms.csv", r"atoms\.csv: expected a name that ends in \.xyz"),
-        (dataset, "atoms.xyz/", r"atoms\.xyz/: is the name of a folder"),
-        (dataset, "", r": is the name of a folder"),
-    ):
-        with pytest.raises(ValueError, match=culprit):
-            to_xyz(given, f"{tmp_path}/{name}")
-    monkeypatch.setitem(__import__("sys").modules, "ase.io", None)
-    with pytest.raises(ValueError, match=re.escape(".[xyz]")):
-        to_xyz(dataset, tmp_path / "atoms.xyz")
-    assert not list(tmp_path.iterdir())
 
 
 def test_picture_shows_the_row_under_the_largest_tension(dataset):
@@ -197,3 +182,69 @@ def test_report_has_the_picture(dataset, tmp_path):
     assert contact_compare([*made, "--report", str(tmp_path / "report.html")]) == 0
     assert list((tmp_path / "figures").glob("*_atoms.png"))
     assert "Bottom layer of the block over the sites" in (tmp_path / "report.html").read_text()
+
+
+def image(path):
+    """Spacing, and the arrays by name, shape (y, x)."""
+    content = path.read_bytes()
+    head, _, data = content.partition(b'<AppendedData encoding="raw">')
+    data = data[data.index(b"_") + 1 :]
+    grid = ElementTree.fromstring(head.decode() + "</VTKFile>").find("ImageData")
+    extent = [int(number) for number in grid.get("WholeExtent").split()]
+    shape = (extent[3] + 1, extent[1] + 1)
+    arrays = {}
+    for array in grid.iter("DataArray"):
+        start = int(array.get("offset"))
+        count = int.from_bytes(data[start : start + 8], "little")
+        arrays[array.get("Name")] = np.frombuffer(data[start + 8 : start + 8 + count], "<f8").reshape(shape)
+    return [float(number) for number in grid.get("Spacing").split()], arrays
+
+
+@pytest.fixture(scope="module")
+def fields():
+    surface = {**STUDY["surface"], "shape": [16, 24], "size": [4e-9, 9e-9]}
+    study = {name: keys for name, keys in STUDY.items() if name != "sweep"}
+    loading = {"path": ["0.5 GPa", "2 GPa", "3 GPa"]}
+    output = {"fields": True, "field_steps": [0, 2]}
+    return contact_study.run(study | {"surface": surface, "loading": loading, "output": output})
+
+
+def test_fields_are_those_of_the_dataset(fields, tmp_path):
+    pytest.importorskip("pyevtk", reason="extra vtk")
+    apart = fields.copy(deep=True)
+    apart.gap[2] = np.inf
+    files = to_vtk(apart, tmp_path / "contact.pvd")
+    assert [path.name for path in files] == ["contact.pvd", "step_0000.vti", "step_0002.vti"]
+    series = ElementTree.parse(files[0]).getroot().find("Collection").findall("DataSet")
+    assert [(one.get("timestep"), tmp_path / one.get("file")) for one in series] == [("0", files[1]), ("2", files[2])]
+    for step, path in zip((0, 2), files[1:], strict=True):
+        spacing, arrays = image(path)
+        np.testing.assert_allclose(spacing[:2], [9 / 24, 4 / 16], rtol=1e-9)  # nm, x first
+        gap = 1e9 * fields.gap[step] if step == 0 else np.full((16, 24), np.nan)
+        np.testing.assert_allclose(arrays["gap (nm)"], gap, rtol=1e-12)
+        np.testing.assert_allclose(arrays["pressure (MPa)"], 1e-6 * fields.pressure[step], rtol=1e-12)
+        np.testing.assert_allclose(arrays["height (nm)"], 1e9 * fields.height, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("write", "field", "key", "suffix", "library"),
+    [
+        (to_vtk, "gap", r"output\.fields", "pvd", "pyevtk.hl"),
+        (to_xyz, "atom_height", r"output\.atoms", "xyz", "ase.io"),
+    ],
+)
+def test_what_cannot_be_written(dataset, fields, tmp_path, monkeypatch, write, field, key, suffix, library):
+    one = fields if write is to_vtk else dataset
+    for given, name, culprit in (
+        (one.expand_dims({"seed": [1, 2]}), f"a.{suffix}", r"dataset\.isel\(seed=0\)"),
+        (one.drop_vars(field), f"a.{suffix}", key),
+        (one, "a.csv", rf"a\.csv: expected a name that ends in \.{suffix}"),
+        (one, f"a.{suffix}/", rf"a\.{suffix}/: is the name of a folder"),
+        (one, "", ": is the name of a folder"),
+    ):
+        with pytest.raises(ValueError, match=culprit):
+            write(given, f"{tmp_path}/{name}")
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(ValueError, match=r"pip install '\.\["):
+        write(one, tmp_path / f"a.{suffix}")
+    assert not list(tmp_path.iterdir())
