@@ -24,12 +24,9 @@ Phase = Literal["transform", "spectrum", "extension", "points", "iteration"]
 
 @dataclass(frozen=True)
 class Progress:
-    """One mark of a solver.
+    """A phase of a solver begins: of an outer iteration, which begins with loops over the points, with its residual.
 
-    A phase begins: a Fourier transform, a product in Fourier space, the extension from a contact set, loops over the
-    points, or an outer iteration, which begins with loops over the points. ``pairs`` are the transform pairs so far, as
-    float64 pairs on the finest grid, with the one under way, ``shape`` the points of the grid in use, ``residual`` that
-    at the start of an iteration in the units of the solver's tolerance.
+    ``pairs`` are those so far, with the one under way, in float64 on the finest grid; ``shape`` is that of the grid.
     """
 
     phase: Phase
@@ -108,8 +105,7 @@ def _multiply_and_sum(spectrum, factors, has_nyquist_column):
 class PeriodicOperator:
     """A periodic solid: write into :attr:`field`, apply a map, one transform pair, and read the result there.
 
-    ``stiffness`` is K, ``largest`` its largest eigenvalue; ``compliance`` leads to a displacement of zero mean;
-    ``mean_stiffness`` (Pa/m) is K at q = 0, a spring on the mean displacement.
+    ``stiffness`` is K, ``largest`` its largest eigenvalue, ``mean_stiffness`` (Pa/m) K at q = 0, a spring on the mean.
     """
 
     def __init__(
@@ -163,6 +159,7 @@ class PeriodicOperator:
 
     @cached_property
     def compliance(self) -> np.ndarray:
+        """The map to a displacement of zero mean."""
         return self._factors(1 / self._stiffness_q(np.inf))
 
     def inverse_shifted(self, shift: float) -> np.ndarray:
@@ -206,8 +203,7 @@ def periodic(
 class Load:
     """A uniform pressure and a field of pressures (Pa), or with a ``unit`` heights h in it (m).
 
-    A solver needs ``pressing`` = K d + field and the field's energy. K h is not stored: pressing = K (d + h), and
-    ½ <d, K d> + <d, K h> = ½ <pressing, d + h> − ½ <h, K h>.
+    K h is not stored: pressing = K (d + h), and ½ <d, K d> + <d, K h> = ½ <pressing, d + h> − ½ <h, K h>.
     """
 
     field: np.ndarray

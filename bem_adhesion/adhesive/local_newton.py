@@ -1,7 +1,6 @@
-"""Relaxation in subdomains: where a patch jumps, its edge moves for tens of Newton steps while all else rests.
+"""Relaxation in periodic subdomains, K' (d − d₀) + φ'(d) + (K d₀ + load) = 0, K' the solid there, rims anchored.
 
-Three of four of these steps are on periodic subdomains, K' (d − d₀) + φ'(d) + (K d₀ + load) = 0, K' the solid there:
-only the *change* of the gap is elastic, and springs anchor the rim. The next Newton step of the whole corrects K'.
+Where a patch jumps, its edge moves for tens of Newton steps while all else rests. The next one of all corrects K'.
 """
 
 import numpy as np

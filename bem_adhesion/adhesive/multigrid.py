@@ -1,7 +1,6 @@
 """A load step over grids: predicted on coarser grids, solved on the finest, and checked for saddles.
 
-Full approximation (A. Brandt, Math. Comp. 31, 333 (1977)). Each grid jumps at its own load, the coarse one usually too
-early: a prediction stays behind the load by more than that, and goes the rest of the way along the tangent.
+Full approximation (A. Brandt, Math. Comp. 31, 333 (1977)). Coarse grids jump too early: predictions stay behind.
 """
 
 from dataclasses import replace
@@ -42,14 +41,7 @@ def _close_gaps(touching: np.ndarray, fine: np.ndarray) -> None:
 class MultigridSolver:
     """A :class:`NewtonSolver` whose load steps are predicted on coarser grids that resolve the law."""
 
-    def __init__(
-        self,
-        grid: Grid,
-        make: MakeSolver,
-        window: Window | None = None,
-        memory: Memory | None = None,
-        subdomains: bool = True,
-    ):
+    def __init__(self, grid: Grid, make: MakeSolver, window: Window | None = None, memory: Memory | None = None):
         self.finest = make(grid, window, memory)
         idle = self.finest.idle
         # A subdomain is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.

@@ -50,10 +50,9 @@ SHARE_OF_TOLERANCE = 0.01  # rounding of the residual above which it is evaluate
 
 
 class NewtonSolver:
-    """The contact on one grid; ``shift`` as for :class:`LinearisedContact`, whose ``idle`` memory others may use.
+    """The contact on one grid: ``solid`` holds K d with the load's field at the last gap, ``curvature`` φ''.
 
-    At the last gap the field of ``solid`` is K d with the load's field, and ``curvature`` is φ''; solves overwrite the
-    field of ``single``, the solid in float32.
+    Solves overwrite the field of ``single``, the solid in float32; ``idle`` is memory that others may use between them.
     """
 
     def __init__(
@@ -228,10 +227,7 @@ class NewtonSolver:
     def _newton_step(
         self, state: EnergyAndGradient, damping: float, excess: Excess, light: bool
     ) -> tuple[float, bool] | None:
-        """Compute a step; return its damping and whether it was raised for it, None where springs stall it.
-
-        Under a light load its mean is reduced as well as the residual.
-        """
+        """Compute a step, of a light load its mean, too; return its damping, whether it was raised, None if stalled."""
         raised = False
         while True:
             reduction = DAMPED_REDUCTION if damping else self._reduction

@@ -35,13 +35,7 @@ class Contact(Protocol):
     """
 
     def separated(self) -> np.ndarray:
-        """Return the state of separated surfaces, where a path begins.
-
-        Returns
-        -------
-        numpy.ndarray
-            Start of :meth:`step`, out of reach of the law.
-        """
+        """Return the state of separated surfaces, where a path begins: the start of :meth:`step`, out of reach."""
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """Find the state that follows from another under a new load.
@@ -298,10 +292,7 @@ class PlasticContact:
         return np.broadcast_to(0.0, (2, *self._untouched.shape))
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the contact at a load, see :meth:`Contact.step`; the state is pressure (Pa) and indentation so far (m).
-
-        An approach counts from first touch of the surface before it yielded.
-        """
+        """Find the contact at a load; the state is pressure and indentation (m), an approach from first touch then."""
         state, target = step_arguments(self._control, target, state, (2, *self._untouched.shape))
         before = self._indentation(state)
         if before.min() < 0:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 from contact_study.campaign.memory import in_words, most_points, on_grid
@@ -29,28 +30,21 @@ _SMALLEST_PART = 30
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """Return a line each if the grid does not resolve the law or a layer of some cases; errors as for the law."""
-    return _unresolved_law(study, scales) + _unresolved_layer(study, scales)
-
-
-def _unresolved_layer(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Return a line if a layer is thinner than the grid spacing: contact edges within a thickness are not resolved."""
-    pairs = zip(study.cases, scales, strict=True)
+    notes, pairs = _unresolved_law(study, scales), zip(study.cases, scales, strict=True)
     thin = [(case, scale) for case, scale in pairs if case.solid.layer_thickness < scale.pixel]
     if not thin:
-        return []
+        return notes
     case, scale = max(thin, key=lambda item: item[1].pixel / item[0].solid.layer_thickness)
     return [
+        *notes,
         f"the layer of {case.solid.layer_thickness:.3g} m is thinner than the grid spacing {scale.pixel:.3g} m"
         f"{points([case for case, _ in thin], len(study.cases))}: what happens at contact edges within a thickness is "
-        "not resolved; use a finer surface.shape or a larger elasticity.thickness"
+        "not resolved; use a finer surface.shape or a larger elasticity.thickness",
     ]
 
 
 def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Return a line if the grid does not resolve the law, with the smallest E* of its waves.
-
-    Raises InputError if it is so coarse that law and surface have nothing to do with each other.
-    """
+    """Return a line if the grid does not resolve the law, with its softest wave; InputError if it is far too coarse."""
     unresolved = []
     for case, scale in zip(study.cases, scales, strict=True):
         if case.law.attracts:
@@ -72,12 +66,11 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 
 def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
-    """Advise on a process zone (m) that the grid does not resolve.
-
-    A longer range of the same work of adhesion if contacts stay JKR-like, or more points, for the longest such range;
-    beyond the memory a part of the surface or a longer range.
-    """
-    law, longest = case.law, _longest(case, scale)
+    """Advise on a process zone (m) not resolved: a longer JKR-like range, more points, or a part of the surface."""
+    law, longest = case.law, 0.0
+    with suppress(ValueError):  # flat, or not soft: "auto" has no range
+        constants = scale.rms_curvature, scale.rms_height, case.solid.contact_modulus, law.work_of_adhesion
+        longest = longest_range(*constants)
     resolved = resolved_length(law, scale.pixel, zone)
     cost = _cost(case, scale, resolved)
     accepted = f'interaction.length = "{length(resolved)}" of the same work of adhesion ({cost})'
@@ -107,17 +100,7 @@ def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
     if resolved < scale.rms_height:
         options.append(f"accept {accepted}")
     head = f"it cannot be resolved here: {this_range} on surface.shape = [{y}, {x}] needs {needs}"
-    return "; ".join([head, *([", or ".join(options)] if options else [])])
-
-
-def _longest(case: Case, scale: SurfaceScales) -> float:
-    """Return the range of "auto" (m); zero if it has none."""
-    try:
-        return longest_range(
-            scale.rms_curvature, scale.rms_height, case.solid.contact_modulus, case.law.work_of_adhesion
-        )
-    except ValueError:  # flat, or not soft
-        return 0.0
+    return "; ".join(filter(None, [head, ", or ".join(options)]))
 
 
 def _cost(case: Case, scale: SurfaceScales, reach: float) -> str:

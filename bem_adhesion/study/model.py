@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from bem_adhesion.study.checks import review
-from bem_adhesion.study.overdamped import overdamped_motion
+from bem_adhesion.study.overdamped import OverdampedContact
 from bem_adhesion.study.paths import path_in_time, path_of_equilibria
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
@@ -58,7 +58,9 @@ def solve_path(
 ) -> Iterator[InterfaceState | Ensemble]:
     """Yield states from path point ``start`` on; ``restart`` is that of the one before, None for separation."""
     if case.solver.path == "overdamped" and case.law.attracts:  # without attraction no state depends on the path
-        return overdamped_motion(case, surface, restart, start)
+        pace = overdamped_path.pace_of(case, surface.size)
+        contact = OverdampedContact(case, surface, pace.allowed)
+        return overdamped_path.solve_path(case, contact, pace, restart, start)
     if isinstance(case.solid, Viscoelastic):
         return path_in_time(case, surface, case.solid, restart, start)
     return path_of_equilibria(case, surface, restart, start)

@@ -1,11 +1,10 @@
 """A loading path in overdamped motion: implicit Euler steps of :mod:`contact_study.numerics.gradient_flow`.
 
-A step is a minimum of the energy with anchor springs of the stiffness η/τ at every point, found by the Newton steps of
-the equilibrium solver on the finest grid alone: predictions on coarser grids are for equilibria.
+A step is a minimum of the energy with springs of the stiffness η/τ at every point, by Newton steps on the finest grid.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,8 +14,7 @@ from bem_adhesion.solution import NewtonResult, Outcome, Solution
 from bem_adhesion.study.paths import interface_state, solver_options
 from contact_study.numerics.balance import excess
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results import overdamped_path
-from contact_study.results.state import Ensemble, InterfaceState
+from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 
 NEWTON_STEPS = 8
@@ -24,16 +22,7 @@ NEWTON_STEPS = 8
 ACCURACY, REDUCTION = 0.05, 0.1
 
 
-def overdamped_motion(
-    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
-) -> Iterator[Ensemble]:
-    """Yield the motion through each point of a case's path; parameters as for :func:`solve_path`."""
-    pace = overdamped_path.pace_of(case, surface.size)
-    yield from overdamped_path.solve_path(case, OverdampedContact(case, surface, pace.allowed), pace, restart, start)
-
-
-@dataclass(frozen=True)
-class Moved:
+class Moved(NamedTuple):
     """A gap in motion, see :class:`contact_study.numerics.gradient_flow.Advance`."""
 
     state: np.ndarray

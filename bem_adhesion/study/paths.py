@@ -1,9 +1,8 @@
 """Loading paths of equilibria, in adaptive steps, and in time; solutions as the campaign's state of the interface.
 
-Along a branch the work of the load is stored. An adaptive step whose D = −∫p ds − ΔU, s the separation of the mean
-planes, is more than a share of it, that does not converge, or that passes over the largest tension is halved, down to
-the least; D that remains is that of a jump. A step that succeeds is followed by one twice as long. In time the load
-changes at a constant rate from point to point, in equal steps.
+Along a branch the work of the load is stored, D = −∫p ds − ΔU is zero, s the separation of the mean planes. An adaptive
+step with more D than a share, that fails, or that passes over the largest tension is halved, down to the least: a jump.
+A step that succeeds is followed by one twice as long. In time the load changes at a constant rate, in equal steps.
 """
 
 import warnings
@@ -135,10 +134,9 @@ def adaptive_step(
     solid: Elasticity,
     noise: float = 0.0,
 ) -> tuple[Solution, list[EnergyLedger]]:
-    """Go from one point of a path to the next in steps for which the work of the load is accounted for.
+    """Go to the next point in steps whose work is accounted for, but for a ``noise`` (J/m²), or fail at the least step.
 
-    ``noise`` is what tolerance and tail may leave (J/m²). Returns the state at the target, or the last that converged
-    if the least step does not, with the work of all steps, and the ledgers of all states passed, from ``before`` on.
+    Returns the last state that converged, with the work of all steps, and the ledgers passed from ``before`` on.
     """
     passed, length = [before], FIRST_STEP * (target - before.position)
     earlier = None  # the state at the start of the last step
