@@ -51,7 +51,7 @@ TESTS = {
     "theory/persson/diffusion.py": "test_stress_diffusion.py test_persson.py",
     "bem_adhesion/hard_wall/active_set.py": "test_hard_wall.py ",
     "bem_adhesion/hard_wall/kernels.py": "test_hard_wall.py ",
-    "bem_adhesion/linear/conjugate_gradients.py": "test_adhesive.py ",
+    "bem_adhesion/linear/conjugate_gradients.py": "test_loading.py ",
     "bem_adhesion/adhesive/multigrid.py": "test_loading.py ",
     "bem_adhesion/kernels/law.py": "test_kernels.py ",
     "md_reference/statics/atomwise.py": "test_linear.py ",

@@ -111,21 +111,18 @@ def test_a_grid_that_does_not_resolve_its_law_is_told_of(options):
 
 
 @pytest.mark.parametrize("kind", ["half_space", "viscoelastic"])
-def test_a_study_says_it_once(kind):
+def test_a_study_and_a_viscoelastic_contact_say_it_once(kind):
     table = study_table(32, size=500e-10, loading={"path": [1e9]})
     table["interaction"]["length"] = 1e-10
     if kind == "viscoelastic":
         table["elasticity"] = {"kind": kind, "branch_youngs_moduli": [5e9], "relaxation_times": ["1 s"]}
         table["loading"] |= {"duration": "1 s", "time_steps": 2}
+        with pytest.warns(UserWarning, match="grid too coarse"):
+            contact = ViscoelasticContact(HEIGHT, 100e-9, Viscoelastic(1e9, (1e9,), (1.0,)), LAW)
+        contact.step(contact.separated(), 1e6, 0.1)  # a warning here were an error
     with pytest.warns(UserWarning, match="grid too coarse") as said:
         contact_study.run(table, "continuum")
     assert len(said) == 1
-
-
-def test_a_viscoelastic_contact_says_it_once():
-    with pytest.warns(UserWarning, match="grid too coarse"):
-        contact = ViscoelasticContact(HEIGHT, 100e-9, Viscoelastic(1e9, (1e9,), (1.0,)), LAW)
-    contact.step(contact.separated(), 1e6, 0.1)  # a warning here were an error
 
 
 @pytest.mark.filterwarnings("ignore:grid too coarse")

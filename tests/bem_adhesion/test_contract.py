@@ -4,6 +4,7 @@ Equilibrium by code that no solver uses, restart, symmetry, units, the energy ba
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -15,13 +16,15 @@ from bem_adhesion import (
     HalfSpace,
     HardWall,
     Layer,
+    LennardJones104,
     Outcome,
+    Repulsive,
     Viscoelastic,
     ViscoelasticContact,
     rough_contact,
 )
 from bem_adhesion.study.paths import separation_of
-from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, approach_of, law, self_affine, stepped
+from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, approach_of, law, random_heights, self_affine, stepped
 from tests.laws_of_all_kinds import EVERY_LAW
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
@@ -333,3 +336,88 @@ def test_a_trace_has_the_pairs_and_the_residual_of_the_solution_and_changes_noth
     assert residuals[-1] == found.residual
     assert phases.count("transform") == phases.count("spectrum") * 2
     np.testing.assert_array_equal(stepped(contact_of(kind, HEIGHT), [2e9])[0].gap, found.gap)
+
+
+@pytest.mark.parametrize(
+    ("solid", "the_law"),
+    [(E_STAR, one) for one in EVERY_LAW.values()]
+    + [(Layer(E_STAR, 0.3, 5e-9), EVERY_LAW[name]) for name in ("hard_wall", "morse", "exponential")],
+)
+def test_stiffness_is_the_derivative_of_the_path(the_law, solid):
+    contact = rough_contact(HEIGHT, SIZE, solid, the_law, tolerance=1e-11)
+    middle = contact.step(contact.separated(), 2e9)
+    lower, higher = (contact.step(middle.state, 2e9 * (1 + change)) for change in (-1e-4, 1e-4))
+    slope = (higher.pressure.mean() - lower.pressure.mean()) / (lower.gap.mean() - higher.gap.mean())
+    # Points that begin to touch, or to be attracted, within the difference; of smooth laws its square.
+    assert contact.stiffness(middle) == pytest.approx(slope, rel=2e-3 if the_law.has_wall else 1e-3)
+
+
+@pytest.mark.parametrize(("name", "gap"), [("dugdale", 14), ("dugdale_core", 20), ("dugdale_core", 24)])
+def test_a_soft_state_is_not_lost_beside_the_spring_of_the_control_nor_to_single_precision(name, gap):
+    the_law = EVERY_LAW[name]
+    contact = rough_contact(HEIGHT, SIZE, E_STAR, the_law, "gap")
+    found = contact.step(contact.separated(), gap * the_law.length)
+    # Where next to nothing is left of the law its mean stiffness: there single precision has three digits and fewer.
+    assert contact.stiffness(found) == pytest.approx(float(the_law.stiffness(found.gap).mean()), rel=0.02, abs=0)
+
+
+def test_surfaces_apart_have_no_stiffness_and_closed_ones_no_end():
+    wall, sticky, free = (contact_of(kind) for kind in ("wall", "outside a wall", "free wall"))
+    *_, apart = stepped(sticky, [1e9, -2e9])
+    assert apart.detached
+    assert sticky.stiffness(apart) == 0
+    assert wall.stiffness(stepped(wall, [0.0])[0]) == free.stiffness(stepped(free, [0.0])[0]) == 0
+    assert wall.stiffness(stepped(wall, [300e9])[0]) == np.inf
+
+
+# Loads far below tolerance × E*. Of the pressure: what may be missing of a light one with the default tolerance, by its
+# share of LIGHT. Of 1 Pa, 4e-12 E*, rounding leaves up to 3e-5.
+STIFF, WIDE, SHARE, LIGHT = 230e9, 1e-6, 3e-5, (1.0, 2e3)
+ROUGH, ROUGH_GRID = random_heights((48, 48), 2.3, 3)
+ROUGH *= 5e-9
+SHORT, BED = Exponential(0.05, 1e-9), Repulsive(0.0, 1e-9, 0.05)
+
+
+def few(the_law, solid=STIFF, height=ROUGH, **options):
+    return partial(rough_contact, height, WIDE, solid, the_law, max_iterations=100, **options)
+
+
+PATHS = {
+    **{name: (few(one), LIGHT) for name, one in EVERY_LAW.items()},
+    # Weak attraction far away has a mean that hardly anything holds: each of 2000 steps went a ten-thousandth.
+    "weak": (few(Exponential(5e-3, 1e-9)), (1.0, 100.0)),
+    "far away": (few(LennardJones104(1e-3, 3.4e-10), height=6 * ROUGH), (1.0, 100.0)),
+    "after a heavy one": (few(LennardJones104(0.05, 3.28e-10)), (1e8, 1e3, -10.0, 1.0)),
+    "yielded": (few(HardWall(), hardness=1e9), (1e8, 1.0)),
+    "in time": (partial(OfOneSecond, ROUGH, WIDE, Viscoelastic(STIFF, (STIFF,), (1.0,)), SHORT), LIGHT),
+    **{f"free {one}": (few(one, boundary="free"), LIGHT) for one in (HardWall(), SHORT, BED)},
+    **{f"layer {one}": (few(one, Layer(STIFF, 0.3, 1e-7)), LIGHT) for one in (HardWall(), SHORT, BED)},
+    "threads": (few(SHORT, threads=2), LIGHT),
+}
+
+
+@pytest.mark.parametrize(("make", "loads"), PATHS.values(), ids=PATHS)
+def test_a_light_load_is_carried(make, loads):
+    for load, found in zip(loads, stepped(make(), loads), strict=True):
+        assert found.converged, found.message
+        assert found.pressure.mean() == pytest.approx(load, rel=SHARE)
+        assert found.pressure.max() > load
+
+
+@pytest.mark.parametrize("load", [0.1, 1.0])
+def test_stresses_below_the_tolerance_are_in_balance(load):
+    [found] = stepped(few(Repulsive(0.0, 1e-9, 1e-3))(), [load])
+    assert found.pressure.max() < 1e-7 * STIFF
+    elastic = elastic_pressure(HalfSpace(STIFF / WIDE), ROUGH_GRID, found.displacement)
+    np.testing.assert_allclose(elastic + load, found.pressure, atol=2e-4 * found.pressure.max())
+
+
+@pytest.mark.parametrize("the_law", [SHORT, LennardJones104(0.05, 1e-9)])
+def test_a_load_that_rounding_hides_is_none(the_law):
+    contact = few(the_law)()
+    state = contact.step(contact.separated(), 1e6).state
+    unloaded = contact.step(state, 0.0)
+    for load in (1e-7, -1e-12):
+        found = contact.step(state, load)
+        assert found.converged
+        np.testing.assert_allclose(found.gap, unloaded.gap, atol=1e-6 * the_law.length)

@@ -1,22 +1,31 @@
+import tracemalloc
+from functools import partial
+
 import numpy as np
 import pytest
+from scipy.fft import irfft2, rfft2
 
-from bem_adhesion.adhesive import multigrid
-from bem_adhesion.adhesive.contact import AdhesiveContact, reach, typical_wavenumber
+from bem_adhesion.adhesive.contact import AdhesiveContact, reach
+from bem_adhesion.adhesive.multigrid import MultigridSolver
+from bem_adhesion.adhesive.newton import NewtonSolver
+from bem_adhesion.contacts.rough_contact import contact_between
+from bem_adhesion.linear.conjugate_gradients import LinearisedContact
+from bem_adhesion.operators import Load, periodic
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
-from contact_study.physics.laws import Exponential, LennardJones104
-from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, self_affine, stepped, surface
-from theory.references import jkr_contact_radius
+from contact_study.physics.laws import Exponential, HardWall
+from contact_study.physics.process_zone import process_zone
+from contact_study.physics.solids import HalfSpace
+from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, relative_contact_area, self_affine, stepped, surface
 
 
-def rough_contact(ratio, points=96, control="pressure", **keywords):
-    rough = surface(points, size=800e-10)
-    return AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(ratio), control, **keywords)
+def contact_of(the_law, points=64, control="pressure", size=SIZE, **options):
+    rough = surface(points, size=size)
+    return AdhesiveContact(rough.sampled, rough.grid, E_STAR, the_law, control, **options)
 
 
 def test_loading_is_hysteretic_and_tension_ends_in_detachment():
-    contact = rough_contact(8.0)
+    contact = contact_of(law(8.0), 96, size=800e-10)
     there, _, back, pulled, *apart, again = stepped(contact, [0.2e9, 3e9, 0.2e9, -0.5e9, -12e9, 0.0, 0.2e9])
     assert relative_contact_area(back.gap) > relative_contact_area(there.gap) + 0.05
     assert back.gap.mean() < there.gap.mean()
@@ -32,11 +41,11 @@ def test_loading_is_hysteretic_and_tension_ends_in_detachment():
 
 
 def test_the_separated_block_is_out_of_reach_of_the_law():
-    contact = AdhesiveContact(R0 * np.eye(8), Grid((8, 8), (1e-8, 1e-8)), E_STAR, law())
+    contact = contact_of(law(), 32)
     nearest = (contact.separated() - contact.height).min()
     assert nearest == pytest.approx(reach(contact.law), rel=1e-12)
     # The tension falls with every larger gap, so that nowhere more than a thousandth of the peak acts.
-    assert 0 < contact.law.traction(nearest) <= 1.0001e-3 * contact.law.peak_tensile_stress
+    assert contact.law.traction(nearest) == pytest.approx(1e-3 * contact.law.peak_tensile_stress, rel=1e-4)
 
 
 def test_a_first_gap_from_separation_is_on_the_separated_branch():
@@ -77,41 +86,18 @@ def test_flat_surfaces_do_not_rest_on_top_of_the_barrier(monkeypatch):
     assert solution.outcome is Outcome.CONVERGED
     uniform = float(contact.law.potential(np.array(R0 + 3e-10)))
     assert solution.elastic_energy + solution.interaction_energy < 2 * uniform < 0
-    assert np.ptp(solution.gap) > R0
 
 
 def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
-    contact = rough_contact(1.0, 32)
-    contact.max_iterations = 40
+    contact = contact_of(law(), 32, max_iterations=40)
     monkeypatch.setattr(contact.levels, "leave_saddle", lambda gap, load: gap)
     found = contact.step(contact.separated(), 1e9)
     assert found.outcome is Outcome.ITERATION_LIMIT
     assert found.iterations == 41
 
 
-def test_typical_wavenumber_is_slope_over_height():
-    grid = Grid((32, 48), (2e-9, 3e-9))
-    y, x = grid.coordinates
-    one = 1e-10 * np.cos(2 * np.pi * 3 * x[None, :] / 3e-9) * np.ones((32, 1))
-    assert typical_wavenumber(one + 7e-9, grid) == pytest.approx(2 * np.pi / 1e-9, rel=1e-9)
-    two = one + 1e-10 * np.cos(2 * np.pi * y[:, None] / 2e-9)
-    mean_square = 0.5 * ((2 * np.pi / 1e-9) ** 2 + (2 * np.pi / 2e-9) ** 2)
-    assert typical_wavenumber(two, grid) == pytest.approx(np.sqrt(mean_square), rel=1e-9)
-    assert typical_wavenumber(np.full((32, 48), 3e-9), grid) == pytest.approx(2 * np.pi / 3e-9, rel=1e-12)
-
-
-def test_a_gap_out_of_reach_is_met_rigidly():
-    contact = rough_contact(4.0, control="gap")
-    gap = float((contact.separated() - contact.height).mean()) + 5e-9
-    found = contact.step(contact.separated(), gap)
-    assert found.gap.mean() - contact.law.equilibrium_distance == pytest.approx(gap, rel=1e-9)
-    # What tension is left five nanometres out of reach, 1e-8 of the modulus, deforms it by 1e-5 of the law's length.
-    assert found.iterations <= 1
-    np.testing.assert_allclose(found.gap + contact.height, (found.gap + contact.height).mean(), atol=1e-5 * R0)
-
-
 def test_further_tangent_steps_close_in_within_the_same_limit():
-    contact = rough_contact(1.0)
+    contact = contact_of(law(), 96, size=800e-10)
     solver = contact.levels.finest
     start = contact.step(contact.separated(), 1e9).gap / contact.law.length
     load = contact._load(1.01e9 / contact.elasticity.contact_modulus)
@@ -121,30 +107,14 @@ def test_further_tangent_steps_close_in_within_the_same_limit():
     assert np.abs(three - target).max() < 0.1 * np.abs(one - target).max()
     assert solver.follow_tangent(start, load, 1e-9) is start
     # The limit is on the whole way: between the first step's change and the second's there is none after it.
-    first = np.abs(one / start - 1).max()
     whole = np.abs(target / start - 1).max()
-    assert first < whole
-    assert solver.follow_tangent(start, load, 0.999 * whole, 9) is not start
-    assert np.abs(solver.follow_tangent(start, load, 0.999 * whole, 9) / start - 1).max() < 0.999 * whole
-
-
-def test_a_fine_grid_takes_tangent_steps_until_its_interpolation_is_what_is_left(monkeypatch):
-    length, points = 60.0, 2048
-    grid = Grid((16, points), (16 * length / points, length))
-    height = np.broadcast_to(1.5 * np.cos(2 * np.pi * grid.coordinates[1] / length), grid.shape).copy()
-    contact, plain = (AdhesiveContact(height, grid, 1.0, LennardJones104(0.1, 1.0)) for _ in range(2))
-    assert contact.levels.coarser.points_per_process_zone > multigrid.POINTS_FOR_STEPS
-    state = contact.step(contact.separated(), 0.01).state
-    many = contact.step(state, 0.02)
-    monkeypatch.setattr(multigrid, "TANGENT_STEPS", 1)
-    one = plain.step(state, 0.02)
-    assert many.fft_pairs < 0.85 * one.fft_pairs
-    np.testing.assert_allclose(many.gap, one.gap, atol=1e-7)
+    limited = solver.follow_tangent(start, load, 0.999 * whole, 9)
+    assert 0 < np.abs(limited / start - 1).max() < 0.999 * whole
 
 
 @pytest.mark.parametrize("target", [0.8e9, 1.2e9])
 def test_a_prediction_stays_behind_its_load(target, monkeypatch):
-    contact, loads = rough_contact(1.0), []
+    contact, loads = contact_of(law(), 96, size=800e-10), []
     start, coarser = contact.step(contact.separated(), 1e9), contact.levels.coarser
     descend = coarser._descend
     monkeypatch.setattr(coarser, "_descend", lambda gap, load, *rest: loads.append(load) or descend(gap, load, *rest))
@@ -152,39 +122,14 @@ def test_a_prediction_stays_behind_its_load(target, monkeypatch):
     assert min(1e9, target) < loads[0].pressure * E_STAR < max(1e9, target)
 
 
-def test_contact_radius_tends_to_jkr_at_large_tabor_parameter():
-    """A point is 2 % of the radius, and edges are trapped within about one of it at 0.7 points per process zone."""
-    work, points = 0.04, 256
-    radius = 3.0**3 / work**2  # of a Tabor parameter of 3
-    side = 8 * (9 * np.pi * work * radius**2 / 8) ** (1 / 3)  # in contact radii at pull-off
-    grid = Grid((points, points), (side, side))
-    axis = grid.coordinates[0] - side / 2
-    contact = AdhesiveContact(-(axis[:, None] ** 2 + axis**2) / (2 * radius), grid, 1.0, Exponential(work, 1.0))
-    unit = np.pi * work * radius  # πwR
-    # Pull-off at 1.50 of JKR, 1.51 of Maugis at this range; a longer tail than Maugis' and trapped edges add 2 %.
-    loads = (3.0, 0.0, -1.3, -1.5, -1.58)
-    *held, torn = stepped(contact, [load * unit / side**2 for load in loads])
-    for load, solution in zip(loads[:2], held, strict=False):
-        found = np.sqrt(np.mean(solution.gap == 0) * side**2 / np.pi)
-        assert found == pytest.approx(jkr_contact_radius(load * unit, radius, 1.0, work), rel=0.03)
-    assert held[-1].outcome is Outcome.CONVERGED
-    assert torn.outcome is Outcome.DETACHED
-
-
-RANGE = 1.74e-10  # m: with this the law's peak is that of the 10-4 law of the same work of adhesion
-
-
-def outside_a_wall(work_of_adhesion, points=64, control="pressure", **options):
-    height, grid = self_affine(points)
-    return AdhesiveContact(height, grid, E_STAR, Exponential(work_of_adhesion, RANGE), control, **options)
+STICKY = Exponential(0.69, 1.74e-10)
 
 
 def test_a_prediction_touches_where_the_coarse_grid_does():
-    contact = outside_a_wall(0.1, points=128)
+    contact = contact_of(Exponential(0.1, 1.74e-10), 128)
     grids, load = contact.levels, contact._load(5e9 / E_STAR)
     gap = contact._gap_of(contact.separated())
     grids.finest.press(gap, load)
-    assert grids.coarser is not None
     touching = grids._predict(grids.coarser, gap, load, 2000, True) == 0
     found = contact.step(contact.separated(), 5e9)
     # The two differ at the edges alone. Where interpolation rounds points off the wall half of the contact is missing.
@@ -192,9 +137,8 @@ def test_a_prediction_touches_where_the_coarse_grid_does():
 
 
 def test_a_loose_tolerance_shows_in_the_complementarity():
-    contact = outside_a_wall(0.69, tolerance=1e-2)
-    *_, found = stepped(contact, [1e9, 5e9])
-    reaction = found.pressure + contact.law.traction(found.gap)
+    *_, found = stepped(contact_of(STICKY, tolerance=1e-2), [1e9, 5e9])
+    reaction = found.pressure + STICKY.traction(found.gap)
     pull = -reaction[found.gap == 0].min() / E_STAR
     assert found.complementarity_residual == pytest.approx(pull, rel=1e-6)
     # The pull may be the largest residual itself; it comes back from SI units by some roundings.
@@ -202,19 +146,155 @@ def test_a_loose_tolerance_shows_in_the_complementarity():
 
 
 def test_full_contact_is_met_by_either_control():
-    by_pressure, by_gap = (outside_a_wall(0.69, control=control) for control in ("pressure", "gap"))
-    pressed, released = stepped(by_pressure, [200e9, 5e9])
+    pressed, released = stepped(contact_of(STICKY), [200e9, 5e9])
     np.testing.assert_array_equal(pressed.gap, 0)
     assert released.converged
     assert 0 < np.mean(released.gap == 0) < 1
     # Almost closed the contact is far stiffer than the spring: a mean gap of 1/1700 of the range.
-    almost, closed, opened = stepped(by_gap, [1e-13, 0.0, 2e-11])
+    almost, closed, opened = stepped(contact_of(STICKY, control="gap"), [1e-13, 0.0, 2e-11])
     assert almost.converged
-    assert almost.gap.mean() == pytest.approx(1e-13, abs=1e-8 * RANGE)
+    assert almost.gap.mean() == pytest.approx(1e-13, abs=1e-8 * STICKY.length)
     assert closed.converged
     np.testing.assert_array_equal(closed.gap, 0)
     # At the least pressure: one point more would be pulled off.
-    assert closed.pressure.min() == pytest.approx(-by_gap.law.peak_tensile_stress, rel=1e-9)
+    assert closed.pressure.min() == pytest.approx(-STICKY.peak_tensile_stress, rel=1e-9)
     assert opened.converged
     assert opened.gap.mean() == pytest.approx(2e-11, abs=0, rel=1e-6)
     assert opened.pressure.mean() < closed.pressure.mean()
+
+
+UNIT = HalfSpace(1.0)
+
+
+def energy_and_gradient(gap, load, stiffness_q, the_law):
+    """The discrete functional written independently: SciPy's transforms, the law's plain formulas."""
+    elastic = irfft2(stiffness_q * rfft2(gap), s=gap.shape)
+    energy = np.sum(0.5 * gap * elastic + load * gap + the_law.potential(gap))
+    return energy, elastic + the_law.traction(gap) + load
+
+
+def scaled_problem(points, ratio, seed=1, size=SIZE, pressure=1e9):
+    """Grid, law and load in units of r0 and E*, and the gap of the separated state."""
+    grid = Grid((points, points), (size / R0, size / R0))
+    height = surface(points, seed, size).heights((points, points)) / R0
+    stiffness_q = UNIT.stiffness_on(grid)
+    load = irfft2(stiffness_q * rfft2(height), s=height.shape) + pressure / E_STAR
+    return grid, law(ratio).scaled(R0, E_STAR), load, height.max() + 1 - height
+
+
+def test_energy_and_gradient_are_those_of_the_discrete_functional(monkeypatch):
+    grid, the_law, load, gap = scaled_problem(26, 4.0)
+    stiffness_q = UNIT.stiffness_on(grid)
+    gap = 1.2 + 0.1 * np.sin(np.random.default_rng(0).standard_normal(gap.shape))
+    energy, gradient = energy_and_gradient(gap, load, stiffness_q, the_law)
+
+    solver = NewtonSolver(periodic(UNIT), the_law, 0.01, grid)
+    state = solver.evaluate(gap, Load(load - 0.01, pressure=0.01))  # a field and a number
+    assert state.energy == pytest.approx(energy, rel=1e-13)
+    assert state.largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
+    assert state.square == pytest.approx(np.sum(gradient**2), rel=1e-12)
+    assert state.total == pytest.approx(gradient.sum(), rel=1e-10)
+    np.testing.assert_allclose(solver._right_side, -gradient, atol=1e-6 * np.abs(gradient).max())
+    # As heights in another unit the load is K h and its energy is that of the field, block by block.
+    monkeypatch.setattr("bem_adhesion.kernels.law.BLOCK", 100)
+    height = 4 * np.random.default_rng(1).standard_normal(gap.shape)
+    flattening = irfft2(stiffness_q * rfft2(height / 4), s=gap.shape)
+    heights = Load.of_heights(solver.solid, height, 0.25)
+    by_heights, by_field = solver.evaluate(gap, heights), solver.evaluate(gap, Load(flattening))
+    assert heights.energy == pytest.approx(-0.5 * 0.25 * np.vdot(flattening, height), rel=1e-12)
+    for one, other in zip(by_heights, by_field, strict=True):
+        assert one == pytest.approx(other, rel=1e-10)
+
+
+def test_linear_solver_against_a_dense_matrix():
+    shape = (15, 18)
+    grid = Grid(shape, (60.0, 50.0))
+    rng = np.random.default_rng(2)
+    points = grid.points
+    curvature = np.where(rng.random(shape) < 0.3, 2.0, -0.01).astype(np.float32)
+    right_side = rng.standard_normal(shape).astype(np.float32)
+    stiffness_q = UNIT.stiffness_on(grid)
+    dense = np.array([irfft2(stiffness_q * rfft2(e.reshape(shape)), s=shape).ravel() for e in np.eye(points)])
+    dense += np.diag(curvature.ravel().astype(float))
+    expected = np.linalg.solve(dense, right_side.ravel()).reshape(shape)
+    solver = LinearisedContact(periodic(UNIT)(grid, np.float32), 0.02)
+    result = solver.solve(right_side, curvature, 1.0, 1e-5, 200)
+    assert not result.negative_curvature
+    assert result.iterations < 60
+    # Residual 1e-5 times the condition number of a few tens.
+    np.testing.assert_allclose(solver.solution, expected, atol=1e-3 * np.abs(expected).max())
+    # Softer than the half-space holds, which is E* q / 2 = 0.05.
+    assert solver.solve(right_side, np.full_like(curvature, -1.0), 1.0, 0.1, 50).negative_curvature
+
+
+@pytest.mark.parametrize("the_law", [law(), Exponential(0.69, 1.74e-10)])
+@pytest.mark.parametrize("fraction", [3.0, -0.9, -0.999, -1.001])
+def test_flat_surfaces_stay_uniform_and_part_at_the_peak_of_the_law(the_law, fraction):
+    # Stiff enough (half-space against softening) that the flat state is stable up to the peak.
+    contact = AdhesiveContact(np.zeros((8, 8)), Grid((8, 8), (4e-9, 4e-9)), E_STAR, the_law)
+    solution = contact.step(np.full((8, 8), the_law.equilibrium_distance), fraction * the_law.peak_tensile_stress)
+    assert solution.outcome is (Outcome.CONVERGED if fraction > -1 else Outcome.DETACHED)
+    if fraction > -1:
+        np.testing.assert_allclose(solution.gap, solution.gap[0, 0], rtol=1e-12)
+        assert solution.gap[0, 0] <= the_law.peak_distance + (1e-3 if the_law.has_wall else 0) * the_law.length
+        assert solution.elastic_energy == pytest.approx(0, abs=1e-9 * the_law.work_of_adhesion)
+
+
+def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
+    the_law = law().scaled(R0, E_STAR)
+    zone = process_zone(1.0, the_law)
+    assert zone * R0 == pytest.approx(41e-10, rel=0.01)  # 41 Å by hand from the formula
+    make = partial(NewtonSolver, periodic(UNIT), the_law, 0.01)
+    level = MultigridSolver(Grid((96, 96), (24 * zone, 12 * zone)), make)
+    shapes = []
+    while level is not None:
+        shapes.append(level.finest.grid.shape)
+        level = level.coarser
+    # Spacing zone/4, then zone/2; at a whole zone there are fewer points than a prediction needs.
+    assert shapes == [(96, 96), (48, 48)]
+    assert MultigridSolver(Grid((95, 96), (2 * zone, 2 * zone)), make).coarser is None
+
+
+def test_not_a_number_is_never_taken_for_a_solution():
+    grid, the_law, load, gap = scaled_problem(26, 1.0)
+    found = NewtonSolver(periodic(UNIT), the_law, 0.01, grid).solve(gap, Load(np.nan * load), 1e-8, 20)
+    assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
+
+
+def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
+    grid, the_law, field, start = scaled_problem(128, 4.0)
+    load = Load(field)
+    solver = NewtonSolver(periodic(UNIT), the_law, 0.02, grid)
+    result = solver.solve(start, load, 1e-8, 500)
+    assert result.outcome is Outcome.CONVERGED
+    anew = NewtonSolver(periodic(UNIT), the_law, 0.02, grid).evaluate(result.gap, load)
+    # What rounding in float32 may leave in it is a hundredth of the tolerance.
+    assert result.residual == pytest.approx(anew.largest, abs=1e-10)
+
+    moved = result.gap * (1 + 0.1 * np.random.default_rng(0).random(grid.shape))
+    solver.evaluate(result.gap, load)
+    before = solver.solid.field.copy()
+    solver._evaluate_change(result.gap, moved, load)
+    by_change, said = solver.solid.field.copy(), solver._rounded
+    solver.solid.field -= solver.single.field
+    scale = solver.solid.largest * np.abs(moved - result.gap).max()
+    np.testing.assert_allclose(solver.solid.field, before, rtol=0, atol=1e-15 * scale)  # roundings of float64
+    error = np.abs(by_change - solver.press(moved, load)).max()
+    assert 1e-9 * scale < error < said
+
+
+@pytest.mark.parametrize(("the_law", "most"), [(law(), 10.5), (HardWall(), 10)])
+def test_memory_of_a_step_stays_within_so_many_arrays(the_law, most):
+    """Numbers in double precision a point beside the heights: solver, state to start from, fields of the solution."""
+    height, grid = self_affine(512)
+
+    def solved():
+        return stepped(contact_between(height, grid, E_STAR, the_law), [1e9])[0]
+
+    solved()  # compiled and planned
+    tracemalloc.start()
+    found = solved()
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found.converged
+    assert peak <= most * height.nbytes

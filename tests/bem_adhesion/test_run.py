@@ -32,22 +32,18 @@ TIGHT, BY_GAP = {"solver": {"tolerance": 1e-11}}, {"loading": {"control": "gap",
 def test_steps_hold_the_schema_and_agree_with_their_fields(sections):
     case, surface = problem(output={"fields": True}, **sections)
     steps, bins = recorded_path(case, run.solve_path(case, surface)), bins_of_case(case)
-    assert len(steps) == len(case.path)
     for (target, _), step in zip(case.path, steps, strict=True):
         values, gap, pressure = step.values, step.fields["gap"], step.fields["pressure"]
         assert set(values) <= set(VARIABLES)
-        assert values["converged"]
         assert values["residual"] < case.solver.tolerance
         assert values["mean_pressure"] == pytest.approx(pressure.mean())
         assert values["mean_gap"] == pytest.approx(gap.mean() - case.law.equilibrium_distance)
-        controlled = values["mean_pressure"] if case.loading.control == "pressure" else values["mean_gap"]
-        assert controlled == pytest.approx(target, rel=1e-6)
+        assert values[f"mean_{case.loading.control}"] == pytest.approx(target, rel=1e-6)
         assert values["relative_repulsive_area"] == np.mean(pressure > 0)
         touching = gap < case.contact_distance if case.interaction.law != "hard_wall" else pressure > 0
         assert 0 < values["relative_contact_area"] == touching.mean() < 1
         assert np.sum(values["gap_pdf"] * np.diff(bins.gap_edges)) == pytest.approx(1)
         assert np.sum(values["pressure_pdf"] * np.diff(bins.pressure_edges)) == pytest.approx(1)
-        assert values["elastic_energy"] > 0
 
 
 def test_the_iteration_limit_is_that_of_the_study():
@@ -172,11 +168,11 @@ def coated(kind, thickness, base):
 
 @pytest.mark.parametrize("kind", ["layer", "layered"])
 def test_a_layer_thinner_than_the_grid_is_said(kind):
-    for thickness, said in ((9e-10, True), (12e-10, False)):
-        notes = [note for note in review(48, **coated(kind, thickness, 100e9)) if "layer" in note]
-        assert len(notes) == said
-        if said:
-            assert "the layer of 9e-10 m is thinner than the grid spacing 1.04e-09 m" in notes[0]
+    thin, thick = (
+        [note for note in review(48, **coated(kind, depth, 100e9)) if "layer" in note] for depth in (9e-10, 12e-10)
+    )
+    assert not thick
+    assert "the layer of 9e-10 m is thinner than the grid spacing 1.04e-09 m" in thin[0]
 
 
 def test_the_process_zone_is_that_of_the_softest_wave():

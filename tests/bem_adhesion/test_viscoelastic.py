@@ -19,11 +19,6 @@ INSTANTANEOUS = 4e9
 LAW = LennardJones104(0.05, 1e-9)
 
 
-def wave(amplitude, points=(16, 16)):
-    x = np.arange(points[1]) / points[1]
-    return amplitude * np.broadcast_to(np.cos(2 * np.pi * x), points).copy()
-
-
 def relaxing(height, law=None, size=SIZE, solid=SOLID, **options):
     return ViscoelasticContact(height, size, solid, law or HardWall(), **{"tolerance": 1e-10, **options})
 
@@ -38,10 +33,10 @@ def followed(contact, targets, duration, steps):
 
 
 def test_a_wave_pressed_flat_relaxes_as_its_branches_do():
-    amplitude, q = 1e-10, 2 * np.pi / SIZE
-    contact, ramp = relaxing(wave(amplitude)), 0.3
-    assert INSTANTANEOUS * q / 2 * amplitude < 2e7, "the load closes every gap"
-    solution, _ = contact.step(contact.separated(), 2e7, ramp)
+    amplitude, q, ramp = 1e-10, 2 * np.pi / SIZE, 0.3
+    wave = np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((16, 1))
+    contact = relaxing(amplitude * wave)
+    solution, _ = contact.step(contact.separated(), 2e7, ramp)  # the load closes every gap
     time = 0.0
     for wait in (0.0, 0.05, 0.45, 1.0, 2.5):
         if wait:
@@ -52,37 +47,9 @@ def test_a_wave_pressed_flat_relaxes_as_its_branches_do():
             branch * tau / ramp * (1 - np.exp(-ramp / tau)) * np.exp(-time / tau)
             for branch, tau in zip(SOLID.branch_moduli, SOLID.relaxation_times, strict=True)
         )
-        found = 2 * np.mean(solution.pressure * wave(1.0))
-        assert found == pytest.approx(modulus * q / 2 * amplitude, rel=1e-9)
-
-
-def test_a_wave_creeps_in_the_linear_regime_as_in_closed_form():
-    amplitude, q, load, until = 1e-15, 2 * np.pi / SIZE, 1e6, 2.0
-    solid = Viscoelastic(RELAXED, (3e9,), (1.0,))
-    # Of 1e-15 m so that the law is a spring; the tolerance is what rounding leaves of that.
-    law = LennardJones104(0.003, 1e-9)  # about as stiff as the half-space
-    contact = relaxing(wave(amplitude), law, solid=solid, tolerance=1e-13)
-    first, _ = contact.step(contact.separated(), load, 1e-9)
-
-    def shown(found):
-        return 2 * np.mean(found.state[1] * wave(1.0))
-
-    spring = float(law.stiffness(np.array(first.gap.mean())))
-    slow, fast = RELAXED * q / 2, 4e9 * q / 2
-    start, end = (amplitude * spring / (spring + stiffness) for stiffness in (fast, slow))
-    expected = end + (start - end) * np.exp(-until * (spring + slow) / (spring + fast))
-    assert shown(first) == pytest.approx(start, rel=1e-5)
-    assert abs(end - start) > 0.1 * end
-    errors = []
-    for steps in (2, 4, 8, 40):
-        found = first
-        for _ in range(steps):
-            found, _ = contact.step(found, load, until / steps)
-        errors.append(abs(shown(found) - expected))
-    assert errors[3] < 1e-4 * expected
-    # Halving the step quarters the error: second order.
-    assert 3 < errors[0] / errors[1] < 5
-    assert 3 < errors[1] / errors[2] < 5
+        assert 2 * np.mean(solution.pressure * wave) == pytest.approx(modulus * q / 2 * amplitude, rel=1e-9)
+    with pytest.raises(ValueError, match="duration = 0"):
+        contact.step(contact.separated(), 1e6, 0.0)
 
 
 @pytest.mark.parametrize("law", [HardWall(), LAW])
@@ -138,25 +105,18 @@ def test_surfaces_torn_apart_relax_and_come_together_again():
 
 def test_the_pull_off_of_a_path_in_time_lies_between_its_points():
     sticky = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 1e-9}
-    torn = viscoelastic(loading={"path": [2e7, -4e7], "duration": 1.0, "time_steps": 12}, interaction=sticky)
-    found = contact_study.run(torn, "continuum")
-    assert found.detached.values.tolist() == [0, 1]
-    held, off = float(found.pull_off_pressure), float(found.pull_off_pressure_resolution_error)
+    torn, pulled = (
+        contact_study.run(viscoelastic(loading={**loading, "duration": 1.0, "time_steps": 12}, interaction=sticky))
+        for loading in ({"path": [2e7, -4e7]}, {"path": [1e-9, 12e-9], "control": "gap"})
+    )
+    assert torn.detached.values.tolist() == [0, 1]
+    held, off = float(torn.pull_off_pressure), float(torn.pull_off_pressure_resolution_error)
     assert -4e7 < held - off < held < 0
     assert off == pytest.approx(6e7 / 12)  # a step of the load
-    loading = {"path": [1e-9, 12e-9], "control": "gap", "duration": 1.0, "time_steps": 12}
-    found = contact_study.run(viscoelastic(loading=loading, interaction=sticky), "continuum")
-    passed = found.passed_pressure.values
+    passed = pulled.passed_pressure.values
     assert passed.shape == (2, 12)
-    np.testing.assert_allclose(passed[:, -1], found.mean_pressure, rtol=1e-12)
-    np.testing.assert_allclose(found.passed_separation[:, -1], found.mean_separation, rtol=1e-12)
-    assert float(found.pull_off_pressure) == passed[1].min()
-    assert float(found.pull_off_pressure) < 3 * float(found.mean_pressure[-1]) < 0
+    np.testing.assert_allclose(passed[:, -1], pulled.mean_pressure, rtol=1e-12)
+    np.testing.assert_allclose(pulled.passed_separation[:, -1], pulled.mean_separation, rtol=1e-12)
+    assert float(pulled.pull_off_pressure) == passed[1].min() < 3 * float(pulled.mean_pressure[-1]) < 0
     # Work goes into the solid as well: what the energy does not hold is no jump.
-    assert not {"work_of_separation", "jump_in_pressure", "dissipated_energy"} & set(found)
-
-
-def test_a_step_takes_time():
-    contact = relaxing(wave(1e-10))
-    with pytest.raises(ValueError, match="duration = 0"):
-        contact.step(contact.separated(), 1e6, 0.0)
+    assert not {"work_of_separation", "jump_in_pressure", "dissipated_energy"} & set(pulled)
