@@ -15,7 +15,7 @@ from contact_study.start import contact_compare as compare
 from contact_study.study.study import read_study
 from research import branches, continuum_against_atoms, two_starts
 from scripts import reproduce_yang2008, result_table
-from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
+from tests.report.synthetic import H_RMS, area, gap, write_all
 
 
 @pytest.mark.parametrize(
@@ -90,8 +90,8 @@ def test_result_table(tmp_path, capsys):
     assert head == "| | p (GPa) | atoms | continuum | Persson's theory | gap-flow theory |"
     for found, (ratio, pressure) in zip(rows, itertools.product((1, 8), (0.1, 5.8725)), strict=False):
         cells = [
-            f"{AREA_FACTOR[model] * area(ratio, 1e9 * pressure):.4f}; "
-            f"{(gap(ratio, 1e9 * pressure) + GAP_SHIFT[model]) / 1e-9:.3f}".replace("-", "−")
+            f"{area(ratio, 1e9 * pressure, model=model):.4f}; "
+            f"{gap(ratio, 1e9 * pressure, model=model) / H_RMS:.3f}".replace("-", "−")
             for model in ("atomistic", "continuum", "persson", "gap_flow")
         ]
         assert found.endswith(f"| {pressure:g} | {' | '.join(cells)} |")

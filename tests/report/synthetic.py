@@ -1,6 +1,9 @@
 """Small datasets of the three models with known numbers, assembled as a campaign assembles its own."""
 
+import functools
+import tempfile
 import tomllib
+from pathlib import Path
 
 import numpy as np
 
@@ -20,7 +23,7 @@ title = "synthetic"
 kind = "self_affine"
 size = "416 angstrom"
 shape = [24, 24]
-rms_height = "10 angstrom"
+rms_height = "7 angstrom"
 roll_off_mode = 2
 cutoff_mode = 6
 normalisation = "realised"
@@ -61,7 +64,7 @@ HARD = HARD.replace('length = "3.28 angstrom"\ncontact_distance = "3.68 angstrom
 SEEDS = np.array([1, 2, 3])
 SEEDED = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
 HEIGHTS = STUDY.replace("[sweep]\n", '[sweep]\n"surface.rms_height" = ["9 angstrom", "10 angstrom", "12 angstrom"]\n')
-MODULUS = 77.2e9 / (1 - 0.42**2)
+MODULUS, H_RMS = 77.2e9 / (1 - 0.42**2), 7e-10  # no power of ten: tells units of h_rms from others
 PRESSURES = {1: [0.1e9, 0.7799e9, 5.8725e9], 8: [0.1e9, -0.4987e9, 0.7799e9, 5.8725e9]}
 
 # Contact areas are the continuum's times these, mean gaps the continuum's plus these (m).
@@ -71,14 +74,14 @@ GAP_SHIFT = {"continuum": 0.0, "atomistic": 0.5e-10, "persson": -1e-10, "gap_flo
 BRANCH_FACTOR = {"loading": 0.8, "unloading": 1.1}
 
 
-def area(ratio, pressure, seed=1):
-    """The continuum's made-up contact area."""
-    return 1 - np.exp(-(0.05 * ratio + pressure / 8e9) * (1 + 0.01 * seed) - 0.02)
+def area(ratio, pressure, seed=1, model="continuum"):
+    """Made-up contact areas."""
+    return AREA_FACTOR[model] * (1 - np.exp(-(0.05 * ratio + pressure / 8e9) * (1 + 0.01 * seed) - 0.02))
 
 
-def gap(ratio, pressure, seed=1):
-    """The continuum's made-up mean gap (m)."""
-    return 1e-9 * (0.3 + 0.01 * seed) * np.exp(-pressure / 2e9) / ratio
+def gap(ratio, pressure, seed=1, model="continuum"):
+    """Made-up mean gaps (m)."""
+    return 1e-9 * (0.3 + 0.01 * seed) * np.exp(-pressure / 2e9) / ratio + GAP_SHIFT[model]
 
 
 def pressure_at(applied_gap):
@@ -87,7 +90,7 @@ def pressure_at(applied_gap):
 
 
 def of_seeds(made, ratio):
-    """Made-up values on the path, a seed a row."""
+    """Made-up values of the continuum on the path, a seed a row."""
     return made(ratio, np.array([PRESSURES[ratio]]), SEEDS[:, None])
 
 
@@ -99,16 +102,16 @@ def study(text=STUDY):
     return make_study(tomllib.loads(text))
 
 
-_written: dict[tuple, bytes] = {}
+@functools.cache
+def _written(*made):
+    with tempfile.TemporaryDirectory() as folder:
+        _assemble(path := Path(folder, "made.nc"), *made)
+        return path.read_bytes()
 
 
 def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
     """Write the dataset of one model; ``unconverged`` and ``detached`` are pairs (case number, step)."""
-    key = kind, text, *map(tuple, map(sorted, (unconverged, detached, attrs.items())))
-    if key not in _written:
-        _assemble(path, kind, text, unconverged, detached, attrs)
-        _written[key] = path.read_bytes()
-    path.write_bytes(_written[key])
+    path.write_bytes(_written(kind, text, frozenset(unconverged), frozenset(detached), frozenset(attrs.items())))
     return path
 
 
@@ -132,7 +135,7 @@ def _assemble(path, kind, text, unconverged, detached, attrs):
     own = {"title": asked.title, "source": f"synthetic {kind}", "model": kind, "study_toml": asked.toml}
     own |= {"history": "2026-01-01T00:00:00+00:00: made up", "references": "none", "warnings": ""}
     own |= {"schema_version": SCHEMA_VERSION, "version": "0.1.0", "git_commit": "0" * 40, "Conventions": "CF-1.11"}
-    groups[""].attrs.update(own | attrs)
+    groups[""].attrs.update(own | dict(attrs))
     write_dataset(path, groups)
 
 
@@ -169,8 +172,7 @@ def _values(case, bins, kind, prescribed):
     values = {f"applied_{control}": prescribed, "residual": 1e-9, "iterations": 7, "wall_time": 0.5, "message": ""}
     for model in ("persson", "gap_flow") if kind == "theory" else (kind,):
         prefix = f"{model}/" if kind == "theory" else ""
-        contact = min(1.0, AREA_FACTOR[model] * area(ratio, pressure, seed))
-        shifted = gap(ratio, pressure, seed) + GAP_SHIFT[model]
+        contact, shifted = min(1.0, area(ratio, pressure, seed, model)), gap(ratio, pressure, seed, model)
         values |= {
             f"{prefix}mean_pressure": pressure,
             f"{prefix}relative_contact_area": contact,

@@ -118,7 +118,7 @@ def test_units_are_a_choice(opened):
     heads = page.evaluate("[...document.querySelectorAll('#numbers th')].map((cell) => cell.innerText)")
     assert "p/E*" in heads
     gap = heads.index("ū/hrms")
-    assert float(physical[gap]) * 0.1 == pytest.approx(float(reduced[gap]), abs=1e-3)  # Å over 1 nm
+    assert float(physical[gap]) / 7 == pytest.approx(float(reduced[gap]), abs=1e-3)  # Å over 7 Å
     assert page.locator("figure svg:visible").count() == page.locator("div.rd svg:visible").count() + 1, "and the maps"
 
 

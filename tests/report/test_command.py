@@ -16,30 +16,21 @@ from tests.report.synthetic import HARD, SEEDED, SINGLE, STUDY, write, write_all
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    return write_all(tmp_path_factory.mktemp("inputs"), warnings="a grid too coarse")
-
-
-@pytest.fixture(scope="module")
 def compared(files, tmp_path_factory):
-    """A folder with all outputs, and what was printed."""
+    """A folder with all outputs, whose names were printed."""
     folder = tmp_path_factory.mktemp("compared")
     outputs = ["-o", folder / "a" / "comparison.nc", "--figures", folder / "f", "--report", folder / "r.html"]
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         assert run(*files[1:], files[0], *outputs) == 0
-    return folder, printed.getvalue()
-
-
-def test_names_what_it_writes(compared):
-    folder, printed = compared
-    named = printed.splitlines()
+    named = printed.getvalue().splitlines()
     assert named[0] == str(folder / "a" / "comparison.nc")
     assert sorted(named) == sorted(str(path) for path in folder.rglob("*") if path.is_file())
     assert len(named) == 7
+    return folder
 
 
 def test_the_dataset_holds_everything_with_units(compared, files):
-    with xr.open_datatree(compared[0] / "a" / "comparison.nc", decode_timedelta=False) as tree:
+    with xr.open_datatree(compared / "a" / "comparison.nc", decode_timedelta=False) as tree:
         assert {node.path for node in tree.subtree} == {
             *("/", "/atomistic", "/continuum", "/theory", "/theory/metastable", "/deviations", "/regime"),
         }
@@ -60,12 +51,12 @@ def test_the_dataset_holds_everything_with_units(compared, files):
             assert (flags == -1).any(), "a padded point is marked, not missing"
         table = compute_deviations(read_inputs(files).models, "pressure")
         xr.testing.assert_equal(tree["deviations"].to_dataset(), table)
-    with xr.open_dataset(compared[0] / "a" / "comparison.nc", group="theory/metastable") as group:
+    with xr.open_dataset(compared / "a" / "comparison.nc", group="theory/metastable") as group:
         assert "applied_pressure" in group.coords, "a group stands by itself"
 
 
 def test_the_page_stands_alone_and_says_what_was_run(compared):
-    page = (compared[0] / "r.html").read_text(encoding="utf-8")
+    page = (compared / "r.html").read_text(encoding="utf-8")
     assert page.count('<svg role="img"') == 9, "four figures in two systems of units, and the maps"
     assert not re.search(r'(src|href)="(?!data:|#)', page), "nothing from outside"
     text = text_of(page)
@@ -79,11 +70,11 @@ def test_the_page_stands_alone_and_says_what_was_run(compared):
         "A theory fed with the target spectrum uses no surface",
         "100 MPa, −498.7 MPa, 779.9 MPa, 5.8725 GPa",
         "a grid too coarse",
-        "distances from the atoms: the continuum (11 % and 0.050",
+        "distances from the atoms: the continuum (11 % and 0.071",
         "Continuum and atoms within 11 %",
         "[surface]",
         "xr.open_datatree",
-        "41.6 nm × 41.6 nm · hrms 1 nm",
+        "41.6 nm × 41.6 nm · hrms 7 Å",
         "4 models",
         "Solver 28 / 28 converged all models; none detached; 3 warnings",
     ):
@@ -114,7 +105,7 @@ def test_report_of_seeds_unconverged_steps_and_a_title_that_is_no_text(tmp_path)
 LARGE = (
     SINGLE.replace('well_depth = "18.6 meV"', 'law = "lennard_jones_9_3"\nwork_of_adhesion = "0.05 J/m^2"')
     .replace('"416 angstrom"', '"4 mm"')
-    .replace('rms_height = "10 angstrom"', 'rms_height = "5 um"')
+    .replace('rms_height = "7 angstrom"', 'rms_height = "5 um"')
     .replace('lattice_constant = "2.6 angstrom"', "")
 )
 
@@ -157,12 +148,15 @@ def test_a_point_of_the_sweep_that_one_model_lacks(tmp_path, capsys):
     ]
     assert reported(tmp_path, *paths)[0] == 0
     assert "share 2 points of their sweeps" in capsys.readouterr().err
-    with xr.open_dataset(tmp_path / "out.nc", group="deviations") as deviations:
-        np.testing.assert_array_equal(deviations["well_depth_ratio"], [1, 4])
+    with xr.open_datatree(tmp_path / "out.nc") as tree:
+        np.testing.assert_array_equal(tree["deviations/well_depth_ratio"], [1, 4])
+        np.testing.assert_array_equal(tree["regime/well_depth_ratio"], [1, 4, 8])
+        known = tree["regime/tabor_parameter"].notnull()
+        assert known.all(), "the theory's study knows the surface of the third"
 
 
 def test_existing_files_are_kept_unless_told(compared, files, tmp_path, capsys):
-    folder, _ = compared
+    folder = compared
     before = {path: path.read_bytes() for path in (*files, *folder.rglob("*")) if path.is_file()}
     assert run(*files, "-o", folder / "a" / "comparison.nc") == 1
     assert run(*files, "-o", folder / "new.nc", "--figures", folder / "f") == 1

@@ -9,42 +9,13 @@ from contact_study.plots.paths import Curve, error_band
 from contact_study.report.align import curves
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.facts.shown_states import common_label, panel_points
-from contact_study.report.read.datasets import read_inputs, read_scatter
+from contact_study.report.read.datasets import read_scatter
 from contact_study.study.bins import bins_of
+from tests.report import synthetic
 from tests.report.panels import area_curves, bands, density_curves, gap_curves, one
-from tests.report.synthetic import (
-    AREA_FACTOR,
-    BRANCH_FACTOR,
-    GAP_SHIFT,
-    GAP_STUDY,
-    MODULUS,
-    PRESSURES,
-    SEEDED,
-    SINGLE,
-    STUDY,
-    area,
-    gap,
-    of_seeds,
-    pressure_at,
-    read,
-    standard_error,
-    study,
-    write,
-    write_all,
-)
+from tests.report.synthetic import H_RMS, MODULUS, PRESSURES, SEEDED, area, gap, of_seeds, read, standard_error
 
-EIGHT = STUDY.replace('rms_height = "10 angstrom"', 'rms_height = "8 angstrom"')  # no power of ten
 STRONG = np.array(PRESSURES[8])
-
-
-@pytest.fixture(scope="module")
-def inputs(tmp_path_factory):
-    return read_inputs(write_all(tmp_path_factory.mktemp("curves"), EIGHT))
-
-
-@pytest.fixture(scope="module")
-def models(inputs):
-    return inputs.models
 
 
 @pytest.fixture(scope="module")
@@ -53,44 +24,42 @@ def seeded(tmp_path_factory):
     return read(tmp_path_factory.mktemp("seeds"), SEEDED, unconverged=[(1, 0)]).models
 
 
-@pytest.mark.parametrize("model", AREA_FACTOR)
-def test_areas_and_gaps_against_pressure(models, model):
-    physical, reduced = (one(area_curves(models, reduced=which), model, 1) for which in (False, True))
+@pytest.mark.parametrize("model", synthetic.AREA_FACTOR)
+def test_areas_and_gaps_against_pressure(inputs, model):
+    physical, reduced = (one(area_curves(inputs.models, reduced=which), model, 1) for which in (False, True))
     np.testing.assert_allclose(physical.x, STRONG / 1e9, rtol=1e-12)
-    np.testing.assert_allclose(physical.y, AREA_FACTOR[model] * area(8, STRONG), rtol=1e-12)
+    np.testing.assert_allclose(physical.y, area(8, STRONG, model=model), rtol=1e-12)
     np.testing.assert_allclose(reduced.x, STRONG / MODULUS, rtol=1e-12)
     assert physical.label == "ε = 8 ε₀"
     assert physical.simulated == (model in ("continuum", "atomistic"))
-    expected = np.where((STRONG < 0) & (model == "persson"), np.nan, gap(8, STRONG) + GAP_SHIFT[model])
-    reduced, physical = (one(gap_curves(models, reduced=which), model, 1) for which in (True, False))
-    np.testing.assert_allclose(reduced.x, expected / 8e-10, rtol=1e-9)
-    np.testing.assert_allclose(reduced.y, STRONG / MODULUS, rtol=1e-12)
-    np.testing.assert_allclose(physical.x, expected / 1e-10, rtol=1e-9)  # Å
-    np.testing.assert_allclose(physical.y, STRONG / 1e9, rtol=1e-12)
+    expected = np.where((STRONG < 0) & (model == "persson"), np.nan, gap(8, STRONG, model=model))
+    for reduced, length, pressure in ((True, H_RMS, MODULUS), (False, 1e-10, 1e9)):  # Å and GPa
+        curve = one(gap_curves(inputs.models, reduced), model, 1)
+        np.testing.assert_allclose(curve.x, expected / length, rtol=1e-9)
+        np.testing.assert_allclose(curve.y, STRONG / pressure, rtol=1e-12)
 
 
 def test_bands_between_the_branches(inputs, tmp_path):
-    pressure, (low, high) = np.sort(STRONG), BRANCH_FACTOR.values()
-    areas, gaps = AREA_FACTOR["gap_flow"] * area(8, pressure), (gap(8, pressure) + GAP_SHIFT["gap_flow"]) / 8e-10
+    pressure, (low, high) = np.sort(STRONG), synthetic.BRANCH_FACTOR.values()
+    areas, gaps = (made(8, pressure, model="gap_flow") for made in (area, gap))
     for band, unit, ends in (
         (bands(inputs)[1], 1e9, (low * areas, high * areas)),
-        (bands(inputs, "gap")[1], MODULUS, (gaps / high, gaps / low)),
+        (bands(inputs, "gap")[1], MODULUS, (gaps / high / H_RMS, gaps / low / H_RMS)),
     ):
         np.testing.assert_allclose(band.along, pressure / unit, rtol=1e-12)
         np.testing.assert_allclose([band.low, band.high], ends, rtol=1e-9)
-    one_branch = {"gap_flow": dict.fromkeys(BRANCH_FACTOR, inputs.models["gap_flow"])}
+    one_branch = {"gap_flow": dict.fromkeys(("loading", "unloading"), inputs.models["gap_flow"])}
     assert bands(dataclasses.replace(inputs, branches=one_branch)) == []
     # Under a prescribed gap each branch has its own pressures.
-    held = read(tmp_path, GAP_STUDY, ("continuum", "theory"))
-    applied = np.array([1e-9, 0.7e-9, 0.3e-9, 0.2e-9])
-    band, sides = bands(held)[0], []
-    for factor in BRANCH_FACTOR.values():
-        areas = factor * AREA_FACTOR["gap_flow"] * area(1, pressure_at(applied))
-        sides.append(np.interp(band.along, factor * pressure_at(applied) / 1e6, areas))
-    np.testing.assert_allclose([band.low, band.high], [np.minimum(*sides), np.maximum(*sides)], rtol=1e-12)
+    band = bands(read(tmp_path, synthetic.GAP_STUDY, ("continuum", "theory")))[0]
+    pressure = synthetic.pressure_at(np.array([1e-9, 0.7e-9, 0.3e-9, 0.2e-9]))
+    areas = area(1, pressure, model="gap_flow")
+    sides = [np.interp(band.along, factor * pressure / 1e6, factor * areas) for factor in (low, high)]
+    np.testing.assert_allclose([band.low, band.high], np.sort(sides, axis=0), rtol=1e-12)
 
 
-def test_distributions_are_those_of_the_paper_states(models):
+def test_distributions_are_those_of_the_paper_states(inputs):
+    models = inputs.models
     shown = panel_points(models)
     assert shown.case.selection == {"well_depth_ratio": 8.0}
     assert float(shown.common[0]) == 0.7799e9
@@ -98,17 +67,17 @@ def test_distributions_are_those_of_the_paper_states(models):
     (stresses, panel_b), (gaps, _) = (density_curves(name, models, shown) for name in ("pressure", "gap"))
     assert {curve.label for curve in panel_b} == {"p/E* = −0.00532", "p/E* = 0.00832", "p/E* = 0.06265"}
     assert {curve.model for curve in gaps} == {"atomistic", "continuum", "gap_flow"}, "Persson's theory has none"
-    bins = bins_of(study(EIGHT))
+    bins = bins_of(synthetic.study())
     for found, edges, unit, name in (
         (stresses, bins.pressure_edges, MODULUS, "pressure"),
-        (gaps, bins.gap_edges, 8e-10, "gap"),
+        (gaps, bins.gap_edges, H_RMS, "gap"),
     ):
         density = models["continuum"][f"{name}_pdf"].sel(well_depth_ratio=1).isel(step=1).values
         curve = one(found, "continuum", 0)
         np.testing.assert_allclose(curve.x * unit, models["continuum"][f"{name}_bin"], rtol=1e-9)
         np.testing.assert_allclose(curve.y / unit, np.where(density > 0, density, np.nan), rtol=1e-6)
         for curve in found:
-            contact = AREA_FACTOR[curve.model] * area((1, 8)[curve.colour], 0.7799e9) if name == "pressure" else 1.0
+            contact = area((1, 8)[curve.colour], 0.7799e9, model=curve.model) if name == "pressure" else 1.0
             assert np.nansum(curve.y * np.diff(edges) / unit) == pytest.approx(contact, rel=1e-9)
 
 
@@ -123,20 +92,22 @@ def test_detached_and_unconverged_states(tmp_path):
 
 
 def test_states_of_another_study(tmp_path):
-    text = SINGLE.replace('"0.7799 GPa", "5.8725 GPa"', '"1 GPa", "2 GPa", "3 GPa"')
+    text = synthetic.SINGLE.replace('"0.7799 GPa", "5.8725 GPa"', '"1 GPa", "2 GPa", "3 GPa"')
     models = read(tmp_path, text, ("continuum", "theory")).models
     assert [float(named[0]) for named in panel_points(models).several] == [0.1e9, 2e9, 3e9]
     named = panel_points(models, 0.9e9).common
     assert common_label(models, named, "pressure") == "p = 1 GPa"
     assert common_label(models, named, "pressure", reduced=True) == f"p/E* = {1e9 / MODULUS:.4g}"
     assert {curve.label for curve in area_curves(models)} == {""}
-    swept = read(tmp_path, SINGLE + '[sweep]\n"material.youngs_modulus" = ["50 GPa", "77.2 GPa"]\n').models
+    swept = read(tmp_path, synthetic.SINGLE + '[sweep]\n"material.youngs_modulus" = ["50 GPa", "77.2 GPa"]\n').models
     assert [point.label for point in sweep_points(swept)] == ["E = 50 GPa", "E = 77.2 GPa"]
     named = panel_points(swept, 1e9).common
     assert common_label(swept, named, "pressure", reduced=True) == "p = 779.9 MPa", "p/E* is not the same for both"
 
 
-@pytest.mark.parametrize(("text", "noise"), [(SINGLE.replace('"0.1 GPa", ', '"0 GPa", '), 1e-12), (GAP_STUDY, 90.0)])
+@pytest.mark.parametrize(
+    ("text", "noise"), [(synthetic.SINGLE.replace('"0.1 GPa", ', '"0 GPa", '), 1e-12), (synthetic.GAP_STUDY, 90.0)]
+)
 def test_rounding_has_no_sign(tmp_path, text, noise):
     """A pressure of nothing but rounding, or below the residual stress (1e-9 E*), is zero."""
     inputs = read(tmp_path, text)
@@ -152,9 +123,8 @@ def test_seeds_are_averaged_with_their_standard_error(seeded):
     kept = [areas[1:, 0], *areas[:, 1:].T]
     np.testing.assert_allclose(curve.y, [values.mean() for values in kept], rtol=1e-12)
     np.testing.assert_allclose(curve.y_error, [standard_error(values) for values in kept], rtol=1e-9)
-    # A roughness of 1 nm: in its units and in nanometres the scatter of gaps is the same.
     scatter = standard_error(of_seeds(gap, 8))[2]
-    assert one(gap_curves(seeded), "continuum", 1).x_error[2] == pytest.approx(scatter / 1e-9, rel=1e-6)
+    assert one(gap_curves(seeded), "continuum", 1).x_error[2] == pytest.approx(scatter / H_RMS, rel=1e-6)
     shown = panel_points(seeded)
     curve = one(density_curves("pressure", seeded, shown)[0], "continuum", 1)
     values = seeded["continuum"]["pressure_pdf"].sel(well_depth_ratio=8).isel(step=2).values
@@ -163,34 +133,33 @@ def test_seeds_are_averaged_with_their_standard_error(seeded):
     np.testing.assert_allclose(curve.y_error[there] / MODULUS, standard_error(values)[there], rtol=1e-9)
 
 
-def test_band_is_one_standard_error_to_either_side():
-    x, y, error = np.array([1.0, 2.0, 3.0]), np.array([0.1, 0.3, 0.4]), np.array([0.01, 0.02, np.nan])
+@pytest.mark.parametrize(
+    ("errors", "corners"),
+    [
+        ({"y_error": [0.01, 0.02, np.nan]}, [[[1, 0.09], [2, 0.28], [2, 0.32], [1, 0.11]]]),
+        ({"x_error": [0.01, 0.02, np.nan]}, [[[0.99, 0.1], [1.98, 0.3], [2.02, 0.3], [1.01, 0.1]]]),
+        ({"x_error": [0.01, 0.02, np.nan], "y_error": [0.01, 0.02, np.nan]}, np.empty((0, 4, 2))),
+        # The pressure that was prescribed scatters by the solver's tolerance.
+        ({"x_error": [1e-9] * 3, "y_error": [0.01, 0.02, np.nan]}, [[[1, 0.09], [2, 0.28], [2, 0.32], [1, 0.11]]]),
+    ],
+)
+def test_band_is_one_standard_error_to_either_side(errors, corners):
+    made = {name: np.array(values) for name, values in errors.items()}
+    found = error_band(Curve("continuum", "", 0, np.arange(1.0, 4.0), np.array([0.1, 0.3, 0.4]), **made))
+    np.testing.assert_allclose(found.reshape(-1, 4, 2), corners, rtol=1e-12)
 
-    def band(**options):
-        return error_band(Curve("continuum", "", 0, x, y, **options))
 
-    along = band(y_error=error, fit=np.ones(3, bool))
-    np.testing.assert_allclose(along, [[[1, 0.09], [2, 0.28], [2, 0.32], [1, 0.11]]], rtol=1e-12)
-    across = band(x_error=error, fit=np.array([True, True, False]))
-    np.testing.assert_allclose(across, [[[0.99, 0.1], [1.98, 0.3], [2.02, 0.3], [1.01, 0.1]]], rtol=1e-12)
-    assert band(x_error=error, y_error=error).size == 0
-    # The pressure that was prescribed scatters by the solver's tolerance.
-    np.testing.assert_array_equal(band(x_error=np.full(3, 1e-9), y_error=error), along)
-
-
-def test_strips_are_a_standard_deviation_about_the_mean(inputs, tmp_path):
-    seeds = SEEDED.replace('rms_height = "10 angstrom"', 'rms_height = "8 angstrom"')
-    scatter = read_scatter(write(tmp_path / "seeds.nc", "continuum", seeds), inputs)
+def test_strips_are_a_standard_deviation_about_the_mean(inputs, seeds, tmp_path):
+    scatter = read_scatter(seeds, inputs)
 
     def strips(models):
         return curves.scatter_strips(models, scatter, curves.pressure_axis(models, False), curves.AREA)
 
     for colour, ratio in enumerate(PRESSURES):
-        along, steps = one(strips(inputs.models), "continuum", colour), slice(len(PRESSURES[ratio]))
-        areas = of_seeds(area, ratio)
-        np.testing.assert_allclose(along.y[steps], areas.mean(axis=0), rtol=1e-12)
-        np.testing.assert_allclose(along.y_error[steps], areas.std(axis=0, ddof=1), rtol=1e-9)
+        along, areas = one(strips(inputs.models), "continuum", colour), of_seeds(area, ratio)
+        np.testing.assert_allclose(along.y[: areas.shape[1]], areas.mean(axis=0), rtol=1e-12)
+        np.testing.assert_allclose(along.y_error[: areas.shape[1]], areas.std(axis=0, ddof=1), rtol=1e-9)
     # Points that are not compared have none; the others have the colours of the figure.
-    (only,) = strips(read(tmp_path, EIGHT.replace("= [1, 8]", "= [8]")).models)
+    (only,) = strips(read(tmp_path, synthetic.STUDY.replace("= [1, 8]", "= [8]")).models)
     assert only.colour == 0
     np.testing.assert_allclose(only.y[0], of_seeds(area, 8)[:, 0].mean(), rtol=1e-12)

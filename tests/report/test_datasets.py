@@ -14,36 +14,23 @@ from contact_study.report.align.cases import sweep_points
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
 from contact_study.report.read.studies import ONE_CONTACT, check_studies
-from tests.report.synthetic import SEEDED, SINGLE, STUDY, read, study, write, write_all
+from tests.report.synthetic import SINGLE, STUDY, read, study, write, write_all
 
 BOTH = ("continuum", "atomistic")
 RANGED = STUDY.replace("[output]", "[output]\ngap_range = [0, 8e-9]")
 
 
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    return write_all(tmp_path_factory.mktemp("datasets"))
-
-
-def test_models_are_recognised_in_any_order(files):
+def test_models_are_recognised_in_any_order_and_fields_stay_in_their_file(files):
     inputs = read_inputs(files[::-1])
     assert list(inputs.models) == ["atomistic", "continuum", "persson", "gap_flow"]
-    assert {kind: path.name for kind, path in inputs.paths.items()} == {
-        "continuum": "continuum.nc",
-        "atomistic": "atomistic.nc",
-        "theory": "theory.nc",
-    }
-    assert inputs.notes == ()
-    assert inputs.control == "pressure"
-
-
-def test_fields_stay_in_their_file(files):
-    inputs = read_inputs(files[:2])
+    named = {kind: path.name for kind, path in inputs.paths.items()}
+    assert named == {kind: f"{kind}.nc" for kind in ("continuum", "atomistic", "theory")}
+    assert (inputs.notes, inputs.control) == ((), "pressure")
     assert "gap" not in inputs.models["continuum"]
     assert inputs.models["continuum"]["height"].dims == ("y", "x")
-    field = field_at(files[0], "gap", {"well_depth_ratio": 8.0}, 1)
     with xr.open_dataset(files[0]) as dataset:
-        np.testing.assert_array_equal(field, dataset["gap"].sel(well_depth_ratio=8).isel(step=1))
+        field = dataset["gap"].sel(well_depth_ratio=8).isel(step=1)
+    np.testing.assert_array_equal(field_at(files[0], "gap", {"well_depth_ratio": 8.0}, 1), field)
     assert field_at(files[2], "gap", {}, 0) is None
 
 
@@ -84,7 +71,7 @@ def test_a_file_that_is_none_of_a_comparison(files, tmp_path, make, words):
 @pytest.mark.parametrize(
     ("old", "new", "said", "refusal"),
     [
-        ('rms_height = "10 angstrom"', 'rms_height = "9 angstrom"', "surface.rms_height", True),
+        ('rms_height = "7 angstrom"', 'rms_height = "9 angstrom"', "surface.rms_height", True),
         ("poissons_ratio = 0.42", "poissons_ratio = 0.3", "material.poissons_ratio", True),
         ('length = "3.28 angstrom"', 'length = "3.3 angstrom"', "interaction.length", True),
         ("[1, 8]", "[2, 3]", "sweeps have no point in common", True),
@@ -107,12 +94,10 @@ def test_different_contacts_are_refused_and_other_differences_noted(files, tmp_p
 
 def with_another(asked, section, name):
     """The study with another value of one key in every case, unchecked."""
-    cases = []
-    for case in asked.cases:
-        changed = dataclasses.replace(getattr(case, section))
+    cases = [dataclasses.replace(case) for case in asked.cases]
+    for case in cases:
+        object.__setattr__(case, section, changed := dataclasses.replace(getattr(case, section)))
         object.__setattr__(changed, name, "another")
-        cases.append(dataclasses.replace(case))
-        object.__setattr__(cases[-1], section, changed)
     return dataclasses.replace(asked, cases=tuple(cases))
 
 
@@ -235,21 +220,18 @@ def test_positions_that_change_over_a_sweep_are_no_swept_keys(tmp_path):
     assert points == [{"well_depth_ratio": ratio, "size": size} for ratio in (1, 8) for size in (416e-10, 520e-10)]
 
 
-def test_other_groups_of_a_file_are_left_alone(tmp_path):
+def test_what_is_no_difference(files, seeds, tmp_path):
+    """Other groups of a file, height maps of equal content, a seed that a theory of the ensemble does not need."""
     paths = write_all(tmp_path, kinds=("continuum", "theory"))
     xr.Dataset({"state": ("where", np.ones(5))}).to_netcdf(paths[0], mode="a", group="restart")
     inputs = read_inputs(paths)
     assert sorted(inputs.models) == ["continuum", "gap_flow", "persson"]
     assert sorted(inputs.branches["gap_flow"]) == ["loading", "unloading"]
-
-
-def test_height_maps_of_another_content_are_refused(tmp_path):
+    assert "restart" not in inputs.groups["continuum"]
     first = write(tmp_path / "c.nc", "continuum", height_maps="sha256:ab map.npy\nsha256:cd other.npy")
-    same = write(tmp_path / "a.nc", "atomistic", height_maps="sha256:ab map.npy")
+    same, changed = (
+        write(tmp_path / f"{at}.nc", "atomistic", height_maps=f"sha256:{at} map.npy") for at in ("ab", "ef")
+    )
     assert read_inputs([first, same]).notes == ()
-    changed = write(tmp_path / "b.nc", "atomistic", height_maps="sha256:ef map.npy")
     assert "the height map map.npy had another content" in refused([first, changed])
-
-
-def test_a_theory_of_the_ensemble_needs_no_seed(files, tmp_path):
-    assert read_inputs([write(tmp_path / "seeds.nc", "continuum", SEEDED), files[2]]).notes == ()
+    assert read_inputs([seeds, files[2]]).notes == ()

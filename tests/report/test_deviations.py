@@ -5,72 +5,43 @@ import pytest
 import xarray as xr
 
 from contact_study.inputs.errors import InputError
-from contact_study.report.align.deviations import (
-    COMPARED,
-    DETACHED,
-    MISSING,
-    NOT_CONVERGED,
-    compute_deviations,
-    ensemble_statistics,
-    pairs_of,
-)
+from contact_study.report.align.deviations import compute_deviations, ensemble_statistics, pairs_of
 from contact_study.report.read.datasets import read_inputs
-from contact_study.study.load_steps import path_points
+from tests.report import synthetic
 from tests.report.panels import area_curves, reported, run
-from tests.report.synthetic import (
-    AREA_FACTOR,
-    GAP_SHIFT,
-    HEIGHTS,
-    SEEDED,
-    SEEDS,
-    SINGLE,
-    STUDY,
-    area,
-    gap,
-    of_seeds,
-    read,
-    standard_error,
-    write,
-    write_all,
-)
+from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, SEEDED, SEEDS, area, gap, read, standard_error, write
 
-BOTH = ("continuum", "atomistic")
+COMPARED, MISSING, NOT_CONVERGED, DETACHED = range(4)
 
 
 def deviations(paths):
     return compute_deviations(read_inputs(paths).models, "pressure")
 
 
-def test_every_pair_by_hand(tmp_path):
-    found = deviations(write_all(tmp_path))
+def test_every_pair_by_hand(files, tmp_path):
+    found = deviations(files)
     assert found["relative_contact_area_deviation"].dims == ("pair", "well_depth_ratio", "step")
-    np.testing.assert_array_equal(
-        found["applied_pressure"], [[0.1e9, 0.7799e9, 5.8725e9, np.nan], [0.1e9, -0.4987e9, 0.7799e9, 5.8725e9]]
-    )
+    applied = [[0.1e9, 0.7799e9, 5.8725e9, np.nan], [0.1e9, -0.4987e9, 0.7799e9, 5.8725e9]]
+    np.testing.assert_array_equal(found["applied_pressure"], applied)
     for pair in found["pair"].values:
         model, _, reference = pair.partition(" - ")
-        ratio = AREA_FACTOR[model] / AREA_FACTOR[reference] - 1
         relative = found["relative_contact_area_relative_deviation"].sel(pair=pair)
         # Differences of numbers of order one, stored in double precision.
+        ratio = AREA_FACTOR[model] / AREA_FACTOR[reference] - 1
         np.testing.assert_allclose(relative.values[[0, 1, 1], [0, 1, 3]], ratio, atol=1e-13)
         shift = found["mean_gap_deviation"].sel(pair=pair, well_depth_ratio=1).values
-        np.testing.assert_allclose(shift[:3], GAP_SHIFT[model] - GAP_SHIFT[reference], atol=1e-22)
-        assert np.isnan(shift[3])
+        np.testing.assert_allclose(shift, [GAP_SHIFT[model] - GAP_SHIFT[reference]] * 3 + [np.nan], atol=1e-22)
     here = found.sel(pair="continuum - atomistic", well_depth_ratio=8).isel(step=2)
     assert float(here["relative_contact_area_deviation"]) == pytest.approx(0.1 * area(8, 0.7799e9), rel=1e-12)
-    expected = -GAP_SHIFT["atomistic"] / (gap(8, 0.7799e9) + GAP_SHIFT["atomistic"])
+    expected = -GAP_SHIFT["atomistic"] / gap(8, 0.7799e9, model="atomistic")
     assert float(here["mean_gap_relative_deviation"]) == pytest.approx(expected, rel=1e-12)
     # A theory without a gap under tension keeps its area.
     pulled = found.sel(pair="persson - continuum", well_depth_ratio=8).isel(step=1)
     assert int(pulled["state"]) == COMPARED
     assert np.isnan(pulled["mean_gap_deviation"])
     assert np.isfinite(pulled["relative_contact_area_deviation"])
-    for name, variable in found.variables.items():
-        assert variable.attrs["units"], name
-        assert variable.attrs["long_name"], name
-    assert found["mean_gap_deviation"].attrs["units"] == "m"
-    assert found["mean_gap_relative_deviation"].attrs["units"] == "1"
-    alone = deviations(write_all(tmp_path, SINGLE))["state"]
+    assert [found[f"mean_gap_{kind}"].attrs["units"] for kind in ("deviation", "relative_deviation")] == ["m", "1"]
+    alone = compute_deviations(read(tmp_path, synthetic.SINGLE).models, "pressure")["state"]
     assert alone.dims == ("pair", "step")
     assert (alone == COMPARED).all()
 
@@ -105,24 +76,16 @@ def test_who_is_compared_with_whom():
     ],
 )
 def test_states_of_other_paths_find_each_other(tmp_path, old, new, pressures, branches, states):
-    paths = write(tmp_path / "a.nc", "atomistic"), write(tmp_path / "c.nc", "continuum", STUDY.replace(old, new))
+    paths = (
+        write(tmp_path / "a.nc", "atomistic"),
+        write(tmp_path / "c.nc", "continuum", synthetic.STUDY.replace(old, new)),
+    )
     found = deviations(paths).isel(pair=0).sel(well_depth_ratio=1).isel(step=slice(len(states)))
     np.testing.assert_array_equal(found["applied_pressure"], pressures)
     np.testing.assert_array_equal(found["branch"], branches)
     np.testing.assert_array_equal(found["state"], states)
     expected = np.where(np.array(states) == COMPARED, 0.1 * area(1, np.array(pressures)), np.nan)
     np.testing.assert_allclose(found["relative_contact_area_deviation"], expected, rtol=1e-12)
-
-
-def test_branches_and_repeated_visits_are_not_mixed():
-    pressure = np.array([1e8, 2e8, 1e8, 2e8, 1e8, np.nan])
-    branch = np.array([0, 0, 0, 0, 1, np.nan])
-    points = path_points(pressure, branch)
-    assert points[-1] is None
-    assert len(set(points[:-1])) == 5
-    assert [points[step] for step in (0, 2, 4)] == [("100000000", 0, 0), ("100000000", 0, 1), ("100000000", 1, 0)]
-    # The same pressure from another unit: one bit away.
-    assert path_points(np.nextafter(pressure, np.inf), branch) == points
 
 
 def test_unconverged_and_detached_points_are_marked_not_mixed_in(tmp_path):
@@ -134,36 +97,30 @@ def test_unconverged_and_detached_points_are_marked_not_mixed_in(tmp_path):
     assert not found["relative_contact_area_deviation"].where(found["state"] != COMPARED).notnull().any()
 
 
-def test_one_dataset_without_seeds_is_compared_with_each(tmp_path):
-    paths = [write(tmp_path / "c.nc", "continuum", SEEDED), write(tmp_path / "t.nc", "theory")]
-    found = deviations(paths).sel(pair="persson - continuum", well_depth_ratio=8)
-    by_hand = AREA_FACTOR["persson"] * area(8, 0.1e9) - area(8, 0.1e9, SEEDS)
+def test_one_dataset_without_seeds_is_compared_with_each(seeds, files):
+    found = deviations([seeds, files[2]]).sel(pair="persson - continuum", well_depth_ratio=8)
+    by_hand = area(8, 0.1e9, model="persson") - area(8, 0.1e9, SEEDS)
     np.testing.assert_allclose(found["relative_contact_area_deviation"].isel(step=0), by_hand, rtol=1e-12)
 
 
-def test_statistics_of_each_model(tmp_path):
+def test_statistics_of_each_model(inputs, tmp_path):
     # Case 3 is the second seed at ratio 8; its second step did not converge.
-    paths = [
-        write(tmp_path / "continuum.nc", "continuum", SEEDED, unconverged={(3, 1)}),
-        write(tmp_path / "atomistic.nc", "atomistic", SEEDED),
-    ]
-    assert run(*paths, "-o", tmp_path / "comparison.nc") == 2
+    path = write(tmp_path / "continuum.nc", "continuum", SEEDED, unconverged={(3, 1)})
+    assert run(path, "-o", tmp_path / "comparison.nc") == 2
     with xr.open_datatree(tmp_path / "comparison.nc", decode_timedelta=False) as tree:
-        found = {name: node.to_dataset().load() for name, node in tree["ensemble"].children.items()}
-    assert list(found) == ["atomistic", "continuum"]
-    assert found["continuum"].attrs["averaged_over"] == "seed"
-    strong = found["continuum"].sel(well_depth_ratio=8)
-    np.testing.assert_array_equal(strong.samples, [3, 2, 3, 3])
-    by_hand = of_seeds(area, 8)
+        found = tree["ensemble/continuum"].to_dataset().load()
+    assert found.attrs["averaged_over"] == "seed"
+    strong, by_hand = found.sel(well_depth_ratio=8), synthetic.of_seeds(area, 8)
     kept = [by_hand[:, 0], by_hand[[0, 2], 1], *by_hand[:, 2:].T]
-    errors = strong.relative_contact_area_standard_error
+    errors = [standard_error(values) for values in kept]
+    np.testing.assert_array_equal(strong.samples, [3, 2, 3, 3])
     np.testing.assert_allclose(strong.relative_contact_area, [values.mean() for values in kept], rtol=1e-12)
-    np.testing.assert_allclose(errors, [standard_error(values) for values in kept], rtol=1e-9)
+    np.testing.assert_allclose(strong.relative_contact_area_standard_error, errors, rtol=1e-9)
     assert strong.pressure_pdf_standard_error.dims == ("step", "pressure_bin")
     assert strong.mean_gap.attrs["units"] == strong.mean_gap_standard_error.attrs["units"] == "m"
     assert "mean over seed" in strong.mean_gap.attrs["long_name"]
     assert not {"wall_time", "residual", "iterations", "converged"} & {*strong.data_vars}
-    assert ensemble_statistics(read(tmp_path).models) == {}
+    assert ensemble_statistics(inputs.models) == {}
 
 
 def test_differences_are_paired(tmp_path):
@@ -178,7 +135,7 @@ def test_differences_are_paired(tmp_path):
 
 @pytest.mark.usefixtures("unrendered")
 def test_any_swept_key_may_be_averaged_over(tmp_path):
-    paths = write_all(tmp_path, HEIGHTS, BOTH)
+    paths = synthetic.write_all(tmp_path, synthetic.HEIGHTS, ("continuum", "atomistic"))
     models = read_inputs(paths, "rms_height").models
     assert {curve.label for curve in area_curves(models)} == {"ε = ε₀", "ε = 8 ε₀"}
     assert ensemble_statistics(models)["continuum"].relative_contact_area.dims == ("well_depth_ratio", "step")

@@ -21,7 +21,7 @@ from contact_study.report.models import look_of
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
 from tests.report.panels import area_curves, at, figure_of
-from tests.report.synthetic import GAP_STUDY, SEEDED, SINGLE, read, write, write_all
+from tests.report.synthetic import GAP_STUDY, HARD, LOOP, MODULUS, SINGLE, read, write, write_all
 
 SIX = SINGLE + '[sweep]\n"interaction.well_depth_ratio" = [1, 1.5, 2, 4, 6, 8]\n'
 TWO_KEYS = SINGLE + '[sweep]\n"surface.hurst_exponent" = [0.5, 0.8]\n"interaction.well_depth_ratio" = [1, 4]\n'
@@ -46,13 +46,11 @@ def check_page(name, figure):
     for axes in figure.axes:
         artists += [*axes.texts, axes.title, axes.xaxis.label, axes.yaxis.label]
     named = [artist for artist in artists if isinstance(artist, Legend) or artist.get_text()]
-    placed = [(artist, artist.get_window_extent(canvas.get_renderer())) for artist in named]
-    for (one, first), (other, second) in itertools.combinations(placed, 2):
+    boxes = [artist.get_window_extent(canvas.get_renderer()) for artist in named]
+    for first, second in itertools.combinations(boxes, 2):
         # A pixel of an anti-aliased edge is no overlap.
-        assert not first.padded(-1).overlaps(second.padded(-1)), (name, one, other)
-    inside = figure.bbox.padded(1)
-    for artist, box in placed:
-        assert all(inside.contains(*corner) for corner in ((box.x0, box.y0), (box.x1, box.y1))), (name, artist)
+        assert not first.padded(-1).overlaps(second.padded(-1)), (name, first, second)
+    assert all(figure.bbox.padded(1).contains(*corner) for box in boxes for corner in (box.min, box.max)), name
 
 
 @pytest.mark.parametrize(
@@ -62,7 +60,6 @@ def check_page(name, figure):
         (TWO_KEYS, ("continuum", "theory")),
         (GAP_STUDY, ("continuum", "atomistic")),
     ],
-    ids=["six", "two keys", "gap"],
 )
 def test_nothing_is_printed_over_anything_or_cut(monkeypatch, tmp_path, text, kinds):
     for name, figure in drawn(monkeypatch, read(tmp_path, text, kinds))[0].items():
@@ -109,9 +106,8 @@ def test_panels_name_their_state_and_captions_the_meaning(monkeypatch, tmp_path)
         assert "unloading" not in captions[name].partition("branches")[2]
     logarithmic, linear = shown["mean_gap"].axes
     assert logarithmic.get_yscale() == "log"
-    modulus = 77.2e9 / (1 - 0.42**2)
     low, high = linear.get_ylim()
-    assert low < -0.4987e9 / modulus < 5.8725e9 / modulus < high, "tension, too"
+    assert low < -0.4987e9 / MODULUS < 5.8725e9 / MODULUS < high, "tension, too"
     assert linear.get_xlabel() == r"mean gap $\bar{u}/h_\mathrm{rms}$"
     assert [list(line.get_xdata()) for line in linear.lines].count([0, 0]) == 1, "a line at a gap of zero"
 
@@ -128,12 +124,10 @@ def test_a_legend_is_read_along_its_rows():
     points = [Curve("continuum", f"H = 0.{number:02d}", number, np.ones(1), np.ones(1)) for number in range(31)]
     figure = figure_of(points)
     figure.canvas.draw()
-    legend = figure.legends[0]
-    places = [text.get_window_extent() for text in legend.get_texts()]
-    order = sorted(range(len(places)), key=lambda index: (-round(places[index].y0), places[index].x0))
-    words = [legend.get_texts()[index].get_text() for index in order]
+    places = [(text.get_window_extent(), text.get_text()) for text in figure.legends[0].get_texts()]
+    words = [text for _, text in sorted(places, key=lambda place: (-round(place[0].y0), place[0].x0))]
     assert words == ["H = 0.00", *(f"0.{number:02d}" for number in range(1, 31))], "what all begin with stands once"
-    assert len({round(place.y0) for place in places}) > 1, "in several rows"
+    assert len({round(place.y0) for place, _ in places}) > 1, "in several rows"
     assert len({tuple(np.atleast_1d(colour)) for colour in palette(COLOURS, points[:12])}) == 12
     assert palette(COLOURS, points[:6]) == list(COLOURS)
 
@@ -154,15 +148,13 @@ def test_logarithmic_axes_end_where_the_simulations_do():
     assert upright.get_xlim()[0] < -1
     assert figure_of(curves[1:], "loglog").axes[0].get_xlim()[0] < 1e-9, "without simulations all is shown"
     assert figure_of(curves).axes[0].get_ylim()[0] == 0
-
-
-@pytest.mark.parametrize(("pressures", "plain"), [([0.2, 0.5, 1.0, 2.0], True), ([0.01, 0.1, 1.0, 10.0], False)])
-def test_pressures_of_a_decade_are_plain_numbers(pressures, plain):
-    axes = figure_of([curve(pressures, np.array(pressures) / 20)], "loglog").axes[0]
-    axes.figure.draw_without_rendering()
-    low, high = axes.get_xlim()
-    ticks = zip(axes.get_xticks(), axes.xaxis.get_majorticklabels(), strict=True)
-    assert ([text.get_text() for place, text in ticks if low <= place <= high] == ["0.2", "0.5", "1", "2"]) == plain
+    for pressures, plain in (([0.2, 0.5, 1.0, 2.0], True), ([0.01, 0.1, 1.0, 10.0], False)):
+        axes = figure_of([curve(pressures, np.array(pressures) / 20)], "loglog").axes[0]
+        axes.figure.draw_without_rendering()
+        low, high = axes.get_xlim()
+        ticks = zip(axes.get_xticks(), axes.xaxis.get_majorticklabels(), strict=True)
+        shown = [text.get_text() for place, text in ticks if low <= place <= high]
+        assert (shown == ["0.2", "0.5", "1", "2"]) == plain, "pressures of a decade are plain numbers"
 
 
 def test_bars_bands_and_strips():
@@ -201,7 +193,7 @@ def test_lines_follow_the_path_once():
 
 def test_unloading_looks_different(tmp_path):
     """x is the pressure and y the area; hollow triangles on the way back."""
-    models = read(tmp_path, SINGLE.replace("[output]", "unload = true\n[output]")).models
+    models = read(tmp_path, LOOP).models
     axes = figure_of(area_curves(models)).axes[0]
     found = {line.get_marker(): line for line in axes.lines if line.get_color() == "#0072B2"}
     area = models["continuum"]["relative_contact_area"].values
@@ -249,19 +241,16 @@ def test_gap_maps_lie_as_the_surface_does(tmp_path):
 def test_states_of_padded_cells_and_hard_walls(tmp_path):
     text = SINGLE.replace("lattice_constant", "# ").replace('well_depth = "18.6 meV"', "work_of_adhesion = 0.69")
     text += '[sweep]\n"surface.size" = ["520 angstrom", "416 angstrom"]\n'
-    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "theory")]
-    padded = xr.load_dataset(paths[0], decode_timedelta=False).pad(y_index=(0, 4), x_index=(0, 4))
-    for name in padded:
-        padded[name].encoding = {}
-    padded.to_netcdf(paths[0])
-    inputs = read_inputs(paths)
+    path = write(tmp_path / "continuum.nc", "continuum", text)
+    padded = xr.load_dataset(path, decode_timedelta=False).pad(y_index=(0, 4), x_index=(0, 4))
+    padded.drop_encoding().to_netcdf(path)
+    inputs = read_inputs([path])
     shown = panel_points(inputs.models)
     assert shown.case.label == "size = 41.6 nm"
     state = read_gaps(inputs, *at(shown))["continuum"]
     assert extent(state) == pytest.approx((416e-10, 416e-10), rel=1e-12)
     assert state["gap"].shape == (24, 24)
-    hard = SINGLE.replace('well_depth = "18.6 meV"', 'law = "hard_wall"')
-    inputs = read(tmp_path, hard.replace('length = "3.28 angstrom"\ncontact_distance = "3.68 angstrom"\n', ""))
+    inputs = read(tmp_path, HARD)
     state = read_gaps(inputs, *at(panel_points(inputs.models)))["continuum"]
     pressed = field_at(inputs.paths["continuum"], "pressure", {}, 0) > 0
     assert pressed.any()
@@ -272,14 +261,13 @@ def test_the_theories_alone_are_shown_against_magnification(tmp_path):
     """Every point of the sweep at the common pressure, the map where there is one."""
     with xr.open_datatree(write(tmp_path / "plain.nc", "theory"), decode_timedelta=False) as opened:
         tree = opened.load()
-    wavevector, zeta = 3e7 * np.array([1.0, 2.0, 4.0]), np.array([2.0, 4.0])
-    ratio, step = tree["well_depth_ratio"].values, np.arange(tree.sizes["step"])
-    values = ratio[:, None, None] + 100 * step[:, None] + np.arange(3)
+    values = tree["well_depth_ratio"].values[:, None, None] + 100 * np.arange(4)[:, None] + np.arange(3)
     names = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
     added = dict.fromkeys(names, (("well_depth_ratio", "step", "wavevector"), values))
-    density = np.ones((2, step.size, 2, tree.sizes["pressure_bin"]))
+    density = np.ones((2, 4, 2, tree.sizes["pressure_bin"]))
     added["pressure_pdf_at"] = ("well_depth_ratio", "step", "magnification", "pressure_bin"), density
-    tree.dataset = tree.to_dataset().assign(added).assign_coords(wavevector=wavevector, magnification=zeta)
+    along = {"wavevector": [3e7, 6e7, 1.2e8], "magnification": [2.0, 4.0]}
+    tree.dataset = tree.to_dataset().assign(added).assign_coords(along)
     tree.to_netcdf(tmp_path / "map.nc")
     inputs = read_inputs([tmp_path / "map.nc"])
     joined, mapped = read_magnification(inputs, *at(panel_points(inputs.models)))
@@ -301,8 +289,3 @@ def test_a_page_has_figures_in_its_own_ink():
     assert "currentColor" in svg
     assert 'id="area-' in svg
     assert saved(figure, "page", "area").decode() == svg
-
-
-def test_the_first_sample_of_all(tmp_path):
-    inputs = read(tmp_path, SEEDED)
-    assert figures._first_sample(inputs) == 1

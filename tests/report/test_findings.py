@@ -9,24 +9,12 @@ from contact_study.report.align.deviations import compute_deviations, ensemble_s
 from contact_study.report.align.regime import compute_regime
 from contact_study.report.facts.ranking import DIVIDED, EQUAL, NEARER, find, rank_models, surface_deviations
 from contact_study.report.facts.shown_states import _balances
-from contact_study.report.models import MODELS
 from contact_study.report.read.datasets import read_inputs, read_scatter
 from tests.report.panels import reported, run
-from tests.report.synthetic import HEIGHTS, PRESSURES, SEEDED, STUDY, area, of_seeds, read, write, write_all
+from tests.report.synthetic import H_RMS, HEIGHTS, PRESSURES, SEEDED, STUDY, area, of_seeds, read, write
 
 AREA, GAP = "relative_contact_area_relative_deviation", "mean_gap_deviation"
 LABELS = ["ε = ε₀", "ε = 8 ε₀"]
-
-
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("findings")
-    return write_all(folder), write(folder / "seeds.nc", "continuum", SEEDED)
-
-
-@pytest.fixture(scope="module")
-def inputs(files):
-    return read_inputs(files[0])
 
 
 def compared(inputs, change=lambda deviations: None):
@@ -52,7 +40,7 @@ def test_one_surface_is_no_order(inputs):
     assert not any(each.relations for each in found)
     first = by_model(found[0])
     assert first["persson"].area == pytest.approx(4 / 9, rel=1e-9)  # 0.5 for 0.9
-    assert first["continuum"].gap == pytest.approx(0.05, rel=1e-9)
+    assert first["continuum"].gap == pytest.approx(0.5e-10 / H_RMS, rel=1e-9)
     assert np.isnan(first["continuum"].area_error)
     text = " ".join(find(models, deviations, regime).sentences())
     assert text.count("One surface cannot decide their order.") == 2
@@ -106,8 +94,8 @@ def test_without_a_shared_state_there_is_no_ranking(tmp_path):
     assert "share no state" in findings.sentences()[0]
 
 
-def test_scatter_between_surfaces(files, inputs):
-    scatter = read_scatter(files[1], inputs)
+def test_scatter_between_surfaces(seeds, inputs):
+    scatter = read_scatter(seeds, inputs)
     models, deviations, regime = compared(inputs)
     statistics = ensemble_statistics({scatter.model: scatter.dataset})
     from_surfaces = surface_deviations(models, scatter.model, scatter.dataset)
@@ -131,8 +119,8 @@ def test_scatter_between_surfaces(files, inputs):
 
 
 @pytest.mark.usefixtures("unrendered")
-def test_scatter_in_the_files(files, tmp_path):
-    status, page = reported(tmp_path, *files[0], options=("--scatter", files[1]))
+def test_scatter_in_the_files(files, seeds, tmp_path):
+    status, page = reported(tmp_path, *files, options=("--scatter", seeds))
     assert status == 0
     with xr.open_datatree(tmp_path / "out.nc") as tree:
         found = tree["scatter/continuum"].to_dataset().sel(well_depth_ratio=8)
@@ -160,27 +148,21 @@ def test_what_is_no_scatter_of_these_is_refused(inputs, tmp_path, text, kind, wo
         read_scatter(write(tmp_path / "other.nc", kind, text), inputs)
 
 
-def test_scatter_beside_another_average_or_none(files, inputs, tmp_path, capsys):
+def test_scatter_beside_another_average_or_none(files, seeds, inputs, tmp_path, capsys):
     with pytest.raises(InputError, match="does not go with --average rms_height"):
-        read_scatter(files[1], read(tmp_path, HEIGHTS, average="rms_height"))
+        read_scatter(seeds, read(tmp_path, HEIGHTS, average="rms_height"))
     coarser = write(tmp_path / "coarse.nc", "continuum", SEEDED.replace("[24, 24]", "[16, 16]"))
     (note,) = read_scatter(coarser, inputs).notes
     assert "surface.shape is [24, 24] in the one and [16, 16] in the other" in note
     bare = write(tmp_path / "bare.nc", "continuum", SEEDED.replace("fields = true", "fields = false"))
-    assert [read_scatter(path, inputs).notes for path in (files[1], bare)] == [(), ()]
+    assert [read_scatter(path, inputs).notes for path in (seeds, bare)] == [(), ()]
     for output, scatter, words in (
         (tmp_path / "out.nc", tmp_path / "none.nc", "none.nc: does not exist"),
         (bare, bare, "choose another output"),
     ):
-        assert run(*files[0], "-o", output, "--scatter", scatter, "--overwrite") == 1
+        assert run(*files, "-o", output, "--scatter", scatter, "--overwrite") == 1
         assert words in capsys.readouterr().err
     assert not (tmp_path / "out.nc").exists()
-
-
-def test_every_theory_has_a_status():
-    own = {entry.name: entry.status for entry in MODELS if not entry.simulation}
-    flows = dict.fromkeys(("gap_flow", "edge_flow"), "this project's own, unpublished")
-    assert own == {"persson": "published", **flows}
 
 
 def test_captions_name_theories_whose_stress_does_not_carry_the_pressure():

@@ -5,18 +5,17 @@ import pytest
 
 from contact_study.physics.solids import HalfSpace, Layer
 from contact_study.report.align.regime import compute_regime, roughness
-from contact_study.report.read.datasets import read_inputs
 from contact_study.study.case import realise
-from tests.report.synthetic import SEEDED, SINGLE, STUDY, read, study, write
+from tests.report.synthetic import SEEDED, SINGLE, STUDY, read, study
 
 PAPER = (
     STUDY.replace('"416 angstrom"', '"1040 angstrom"')
+    .replace('"7 angstrom"', '"10 angstrom"')
     .replace("[24, 24]", "[64, 64]")
     .replace("roll_off_mode = 2", "roll_off_mode = 3")
     .replace("cutoff_mode = 6", "cutoff_mode = 12")
     .replace("[1, 8]", "[1, 4, 8]")
 )
-FOUR = STUDY.replace("[1, 8]", "[1, 4]").split("[[override]]")[0]
 
 
 def of_case(text, solid=None, shape=None):
@@ -72,16 +71,6 @@ def test_without_sweep_and_without_roughness(tmp_path):
     assert regime["process_zone"].dims == ()
     assert np.isfinite(regime["process_zone"])
     assert np.isnan(regime["tabor_parameter"])
-
-
-def test_a_point_that_the_first_file_lacks(tmp_path):
-    paths = [
-        write(tmp_path / "a.nc", "atomistic", FOUR),
-        write(tmp_path / "t.nc", "theory", STUDY.replace("[1, 8]", "[1, 4, 8]")),
-    ]
-    regime = compute_regime(read_inputs(paths))
-    np.testing.assert_array_equal(regime["well_depth_ratio"], [1, 4, 8])
-    assert np.isfinite(regime["tabor_parameter"]).all(), "the theory's study knows the surface of the third"
 
 
 def test_the_surface_is_said_to_be_of_the_first_seed(tmp_path):
