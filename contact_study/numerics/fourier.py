@@ -44,12 +44,10 @@ def _fftw() -> Any:
 
 def _load_wisdom(path: Path) -> None:
     """Import wisdom if it is whole: FFTW may abort the process over damaged wisdom."""
-    try:
+    with suppress(OSError, ValueError):  # none yet, or a damaged file: measure again
         checksum, _, content = path.read_text("ascii").partition("\n")
-    except (OSError, ValueError):
-        return  # none yet, or a damaged file: measure again
-    if checksum == _checksum(content):
-        _fftw().import_wisdom([wisdom.encode() for wisdom in json.loads(content)])
+        if checksum == _checksum(content):
+            _fftw().import_wisdom([wisdom.encode() for wisdom in json.loads(content)])
 
 
 def _save_wisdom(path: Path) -> None:

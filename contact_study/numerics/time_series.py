@@ -54,17 +54,10 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     window = np.arange(count)[:, None]
     enough = window >= _WINDOW * summed
     last = np.where(enough.any(axis=0), np.argmax(enough, axis=0), count - 1)
-    time = np.take_along_axis(summed, last[None], axis=0)[0]
-    time = np.maximum(time, 0.5)
-    error = np.sqrt(covariance[0] * 2 * time / count)
-    # 2(2W + 1)/n < 1
-    told = (count >= LEAST_STATES) & (2 * (2 * last + 1) < count)
-    resolved = finite & (count > 1) & (~varies | told)
-    time = np.where(varies, time, 0.5)
-    shape = series.shape[1:]
-    return SeriesStatistics(
-        mean.reshape(shape),
-        np.where(finite & (count > 1), np.where(varies, error, 0.0), np.nan).reshape(shape),
-        np.where(finite, time, np.nan).reshape(shape),
-        resolved.reshape(shape),
-    )
+    time = np.maximum(np.take_along_axis(summed, last[None], axis=0)[0], 0.5)
+    error = np.where(varies, np.sqrt(covariance[0] * 2 * time / count), 0.0)
+    told = (count >= LEAST_STATES) & (2 * (2 * last + 1) < count)  # 2(2W + 1)/n < 1
+    known = finite & (count > 1)
+    time = np.where(finite, np.where(varies, time, 0.5), np.nan)
+    columns = mean, np.where(known, error, np.nan), time, known & (~varies | told)
+    return SeriesStatistics(*(column.reshape(series.shape[1:]) for column in columns))

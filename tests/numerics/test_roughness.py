@@ -43,18 +43,6 @@ def test_the_law_of_a_self_affine_surface_is_found(hurst, roll_off, cutoff):
     assert np.mean([fit.cutoff for fit in fits]) / UNIT == pytest.approx(cutoff, abs=0, rel=0.03)
 
 
-def test_the_law_is_found_above_noise_which_is_told():
-    clean = surface(shape=[256, 256], roll_off_mode=4, cutoff_mode=64)
-    assert clean.roughness.noise[1] < 0.01
-    noise = 5e-11 * np.random.default_rng(0).standard_normal((256, 256))
-    noisy = roughness_of(clean.sampled + noise, clean.grid)
-    power, share = noisy.noise
-    assert abs(power) < 0.2  # white: C is flat
-    assert share > 0.1
-    # The floor of the noise adds to the law just below the cutoff, too, and flattens it a little.
-    assert noisy.fit.hurst_exponent == pytest.approx(0.8, abs=0.07)
-
-
 def quarter(**keys):
     """A quarter of a surface, whose edges do not meet."""
     whole = surface(shape=[256, 256], size="104 nm", **keys)

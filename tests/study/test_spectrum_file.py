@@ -7,17 +7,13 @@ import xarray as xr
 from contact_study import run
 from contact_study.inputs.errors import InputError
 from contact_study.study.study import make_study
+from tests.study.test_study import TABLE
 from theory import TabulatedSpectrum, read_spectrum
 
 Q, POWER = np.array([1.5e8, 4.5e8, 1.8e9]), np.array([2e-35, 2e-35, 1.4e-37])
 HEADER = "q (1/nm), C (nm^4)\n"
 ROWS = "0.15, 20\n0.45, 20\n1.8, 0.14\n"
-STUDY = {
-    "surface": {"kind": "self_affine", "size": "40 nm", "shape": [16, 16], "rms_height": "1 nm", "cutoff_mode": 4},
-    "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42},
-    "interaction": {"work_of_adhesion": "0.7 J/m^2", "length": "3.28 angstrom"},
-    "loading": {"path": ["1 GPa"]},
-}
+STUDY = {**TABLE, "interaction": {"work_of_adhesion": "0.7 J/m^2", "length": "3.28 angstrom"}}
 
 
 def study(folder, sweep=None, **theory):
@@ -29,29 +25,22 @@ def assert_is_the_spectrum(found):
     np.testing.assert_allclose(found.density, POWER, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "# made of three points\n# q [nm^-1]  C [nm^4]\n" + ROWS.replace(",", "\t"),
-        "\ufeffq (nm-1);C (nm4);waves (1)\n0.15;20;8\n0.45;20;16\n1.8;0.14;64\n",
-        # Power of none and of rounding at both ends is outside.
-        HEADER + "0.1, 0\n" + ROWS + "2, 1e-30\n3, 0\n",
-    ],
-)
-def test_text_with_a_header(tmp_path, text):
-    (tmp_path / "psd.csv").write_text(text, encoding="utf-8")
-    assert_is_the_spectrum(read_spectrum(tmp_path / "psd.csv"))
-
-
-def test_units_that_the_file_does_not_say(tmp_path):
-    (tmp_path / "psd.txt").write_text(ROWS)
-    assert_is_the_spectrum(read_spectrum(tmp_path / "psd.txt", "nm^-1", "nm^4"))
-    with pytest.raises(InputError, match=r"does not say the unit of its power; give a header.* theory\.density_unit"):
-        read_spectrum(tmp_path / "psd.txt", "nm^-1")
-    (tmp_path / "psd.txt").write_text(HEADER + ROWS)
-    assert_is_the_spectrum(read_spectrum(tmp_path / "psd.txt", "1/nm", "nm^4"))
+def test_text_with_a_header_or_units_of_the_study(tmp_path):
+    path = tmp_path / "psd.csv"
+    for text, *units in (
+        ("# made of three points\n# q [nm^-1]  C [nm^4]\n" + ROWS.replace(",", "\t"),),
+        ("\ufeffq (nm-1);C (nm4);waves (1)\n0.15;20;8\n0.45;20;16\n1.8;0.14;64\n",),
+        (HEADER + "0.1, 0\n" + ROWS + "2, 1e-30\n3, 0\n",),  # power of none and of rounding at both ends is outside
+        (ROWS, "nm^-1", "nm^4"),
+        (HEADER + ROWS, "1/nm", "nm^4"),
+    ):
+        path.write_text(text, encoding="utf-8")
+        assert_is_the_spectrum(read_spectrum(path, *units))
     with pytest.raises(InputError, match=r"its power is in nm\^4, the study says m\^4"):
-        read_spectrum(tmp_path / "psd.txt", density_unit="m^4")
+        read_spectrum(path, density_unit="m^4")
+    path.write_text(ROWS)
+    with pytest.raises(InputError, match=r"does not say the unit of its power; give a header.* theory\.density_unit"):
+        read_spectrum(path, "nm^-1")
 
 
 def test_netcdf_with_units(tmp_path):
@@ -113,8 +102,8 @@ def test_theories_of_a_spectrum_need_no_surface(tmp_path):
     dataset = run(without_surface(), model="theory")
     assert dataset["converged"].all()
     table = TabulatedSpectrum([1e8, 1e9, 1e10], [2e-37, 2e-37, 2.5e-45])
-    assert dataset["rms_height"] == pytest.approx(np.sqrt(table.mean_square_height), abs=0, rel=1e-12)
-    assert dataset["rms_slope"] == pytest.approx(table.rms_slope, abs=0, rel=1e-12)
+    expected = np.sqrt(table.mean_square_height), table.rms_slope
+    np.testing.assert_allclose([dataset["rms_height"], dataset["rms_slope"]], expected, rtol=1e-12)
     with pytest.raises(InputError, match=r"missing key surface\.kind: .* needs a surface"):
         run(without_surface(), model="continuum")
     (tmp_path / "psd.csv").write_text(HEADER + ROWS)

@@ -151,12 +151,6 @@ def _chosen(
     return str(found)
 
 
-def _npz(path: Path, channel: Channel) -> RawMap:
-    with np.load(path, allow_pickle=False) as archive:
-        names = [name for name in archive.files if archive[name].ndim == 2]
-        return RawMap(archive[_chosen(path, names, channel)])
-
-
 def _netcdf(path: Path, channel: Channel) -> RawMap:
     import xarray as xr
 
@@ -182,6 +176,11 @@ def _netcdf(path: Path, channel: Channel) -> RawMap:
         sizes = [quantity(f"1 {unit or said or 'm'}", "m", f"surface.path: {path}, unit of x or y") for unit in units]
         y, x = (step * n * one for step, n, one in zip(steps, heights.shape, sizes, strict=True))
         return RawMap(heights.values, (y, x), _unit(heights), said and "m")
+
+
+def _npz(path: Path, channel: Channel) -> RawMap:
+    with np.load(path, allow_pickle=False) as archive:
+        return RawMap(archive[_chosen(path, [name for name in archive.files if archive[name].ndim == 2], channel)])
 
 
 def _unit(variable: Any) -> str | None:
