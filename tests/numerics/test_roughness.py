@@ -43,15 +43,10 @@ def test_the_law_of_a_self_affine_surface_is_found(hurst, roll_off, cutoff):
     assert np.mean([fit.cutoff for fit in fits]) / UNIT == pytest.approx(cutoff, abs=0, rel=0.03)
 
 
-def quarter(**keys):
-    """A quarter of a surface, whose edges do not meet."""
-    whole = surface(shape=[256, 256], size="104 nm", **keys)
-    return whole.sampled[:128, :128], Grid((128, 128), (52e-9, 52e-9))
-
-
-def test_the_slope_of_a_part_is_that_of_its_heights_tilt_included():
-    part, grid = quarter(roll_off_mode=4, cutoff_mode=50)
-    level = roughness_of_sample(part, grid)
+def test_a_part_has_the_slope_of_its_heights_tilt_included_and_the_spectrum_of_its_mirror_images():
+    part, grid = surface(shape=[256, 256], cutoff_mode=50).sampled[:128, :128], Grid((128, 128), (52e-9, 52e-9))
+    level, torn = roughness_of_sample(part, grid), roughness_of(part, grid)
+    assert (level.edge_ratio, level.edge_jump) == (torn.edge_ratio, torn.edge_jump)
     tilted = roughness_of_sample(part + 0.5 * grid.coordinates[0][:, None], grid)
     # The mean gradient of the part adds to the tilt by itself; a hundredth is the corner between it and its image.
     assert tilted.rms_slope == pytest.approx(np.hypot(level.rms_slope, 0.5), abs=0, rel=0.1)
@@ -59,15 +54,9 @@ def test_the_slope_of_a_part_is_that_of_its_heights_tilt_included():
     assert tilted.rms_slope == pytest.approx(np.sqrt(sum(np.mean(step**2) for step in steps)), abs=0, rel=0.05)
     assert tilted.rms_curvature == pytest.approx(level.rms_curvature, abs=0, rel=1e-6)
     np.testing.assert_allclose(tilted.spectrum.density, level.spectrum.density, rtol=1e-6)
-
-
-def test_the_spectrum_of_a_part_is_that_of_its_mirror_images():
-    part, grid = quarter(hurst_exponent=0.5, roll_off_mode=4, cutoff_mode=100)
-    sample, torn = roughness_of_sample(part, grid), roughness_of(part, grid)
-    assert (sample.edge_ratio, sample.edge_jump) == (torn.edge_ratio, torn.edge_jump)
     mirror = roughness_of(mirrored(detrended(part, 1)), Grid((256, 256), (104e-9, 104e-9)))
-    assert sample.rms_curvature == pytest.approx(mirror.rms_curvature, abs=0, rel=1e-9)
-    found, images = sample.spectrum, mirror.spectrum
+    assert level.rms_curvature == pytest.approx(mirror.rms_curvature, abs=0, rel=1e-9)
+    found, images = level.spectrum, mirror.spectrum
     assert 2 * np.pi / 52e-9 * (1 - 1e-9) <= found.wavevectors[0]
     for name, factor in (("wavevectors", 1), ("density", 1), ("waves", 4)):
         # The same sums in another order; images have longer waves, and one at the Nyquist wavevector.
@@ -75,7 +64,7 @@ def test_the_spectrum_of_a_part_is_that_of_its_mirror_images():
         np.testing.assert_allclose(factor * getattr(found, name), expected, rtol=1e-9)
 
 
-def test_a_part_whose_edges_meet_is_taken_as_it_is():
+def test_a_part_whose_edges_meet_is_taken_as_it_is_and_edges_that_jump_are_seen():
     whole = surface(shape=[64, 64], cutoff_mode=12)
     alone, repeated = (find(whole.sampled, whole.grid) for find in (roughness_of_sample, roughness_of))
     assert alone.rms_slope == repeated.rms_slope
@@ -83,6 +72,12 @@ def test_a_part_whose_edges_meet_is_taken_as_it_is():
     smooth = roughness_of_sample(whole.sampled, whole.grid, 104e-9 / 6)
     assert smooth.spectrum.density[smooth.spectrum.wavevectors > 6.1 * UNIT].max() < 1e-20 * smooth.spectrum.density[0]
     assert smooth.rms_slope < 0.9 * whole.roughness.rms_slope
+    assert repeated.edge_ratio < 2  # rows across the edge differ as any two do, but for scatter
+    for tilt in (np.linspace(0, 1e-8, 64), np.linspace(0, 1e-8, 64)[:, None]):
+        # 1e-8 across one edge, on heights that differ by far less from row to row.
+        tilted = roughness_of(whole.sampled + tilt, whole.grid)
+        assert tilted.edge_jump == pytest.approx(1e-8, abs=0, rel=0.05)
+        assert tilted.edge_ratio > 20
 
 
 def test_a_narrow_law_is_found_between_its_own_limits():
@@ -106,17 +101,6 @@ def test_what_a_law_misses_adds_to_its_uncertainty():
     assert self_affine_fit(PowerSpectrum(q[:10], spectra[0].density[:10], waves[:10])) is None, "too narrow"
     assert roughness_of(np.zeros((16, 16)), Grid((16, 16), (1.0, 1.0))).fit is None
     assert missed.uncertainty / there.uncertainty == pytest.approx(0.6 / np.sqrt(0.015), abs=0, rel=0.3)
-
-
-@pytest.mark.parametrize("axis", [0, 1])
-def test_edges_that_jump(axis):
-    periodic = surface(cutoff_mode=12, shape=[64, 64])
-    assert periodic.roughness.edge_ratio < 2  # rows across the edge differ as any two do, but for scatter
-    tilt = np.linspace(0, 1e-8, 64)
-    tilted = roughness_of(periodic.sampled + (tilt[:, None] if axis == 0 else tilt[None, :]), periodic.grid)
-    # 1e-8 across one edge, on heights that differ by far less from row to row.
-    assert tilted.edge_jump == pytest.approx(1e-8, abs=0, rel=0.05)
-    assert tilted.edge_ratio > 20
 
 
 def test_the_spectrum_ends_where_waves_of_all_directions_do():

@@ -108,9 +108,7 @@ def test_a_table_gives_each_wave_its_own_stiffness():
     for other in (Grid((13, 10), grid.size), Grid((12, 12), grid.size), Grid(grid.shape, (3.0, 2.1))):
         with pytest.raises(ValueError, match="other waves"):
             solid.stiffness_on(other)
-
-
-def test_theories_see_the_mean_over_directions():
+    # Theories see the mean over directions.
     grid = Grid((64, 64), (1.0, 1.0))
     with np.errstate(invalid="ignore"):
         cosine = (grid.wavevectors[1] / grid.wavenumber) ** 2
