@@ -4,6 +4,7 @@ import errno
 import os
 import subprocess
 import sys
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -40,7 +41,6 @@ def test_laplacian_of_a_wave_and_variances_of_all(shape):
 @settings(max_examples=25, deadline=None)
 @given(st.tuples(*[st.integers(1, 9)] * 2), st.tuples(*[st.integers(0, 8)] * 2), st.integers(0, 99))
 def test_interpolation_keeps_the_samples_and_is_undone(shape, more, seed):
-    """On a grid that contains the old points the interpolant passes through them; coarsening gives them back."""
     field = random_field(shape, seed)
     factors = (1 + more[0] // 4, 1 + more[1] // 4)
     fine = fourier.interpolate(field, (shape[0] * factors[0], shape[1] * factors[1]))
@@ -59,7 +59,6 @@ def test_stacked_fields_are_transformed_one_by_one_in_one_memory():
 
 
 def wisdom_of_a_plan(folder, monkeypatch, shape=(14, 22)):
-    """The file in which a plan is kept; the plan works."""
     monkeypatch.setenv("BEM_ADHESION_CACHE", str(folder))
     monkeypatch.setattr(fourier, "_planned", set())  # as in a process of its own
     plan = fourier.RealTransform(shape)
@@ -82,16 +81,12 @@ def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch, where):
 
 
 def test_without_locks_plans_are_not_kept(tmp_path, monkeypatch):
-    def refused(*_):
-        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
-
-    monkeypatch.setattr("fcntl.flock", refused)
+    monkeypatch.setattr("fcntl.flock", Mock(side_effect=OSError(errno.ENOLCK, "no locks")))
     wisdom_of_a_plan(tmp_path, monkeypatch, (14, 34))
     assert not list(tmp_path.iterdir())
 
 
 def test_threads_that_wait_sleep():
-    """What OpenMP itself says it has read when FFTW's library was loaded."""
     environment = {key: value for key, value in os.environ.items() if key != "OMP_WAIT_POLICY"}
     command = [sys.executable, "-c", "from contact_study.numerics import fourier; fourier.RealTransform((4, 4))"]
     environment["OMP_DISPLAY_ENV"] = "true"

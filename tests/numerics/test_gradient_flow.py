@@ -1,7 +1,6 @@
-"""Overdamped motion of a spring, whose answer is known."""
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,17 +10,8 @@ from contact_study.numerics.gradient_flow import Instant, Status, StepControl, a
 PACE = StepControl(rate=1.0, first=0.01, allowed=1e-3, most=100_000)
 
 
-@dataclass(frozen=True)
-class Point:
-    state: np.ndarray
-    at_rest: bool
-    apart: bool = False
-
-
 @dataclass
 class Spring:
-    """Pushed along −u by the load."""
-
     stiffness: float = 2.0
     apart: Callable = lambda state: False
     lower: Callable = lambda state: None
@@ -29,7 +19,8 @@ class Spring:
 
     def advance(self, state, load, drag):
         u = (drag * state - load) / (self.stiffness + drag)
-        return Point(u, abs(self.stiffness * u[0] + load) <= self.tolerance, self.apart(u))
+        at_rest = abs(self.stiffness * u[0] + load) <= self.tolerance
+        return SimpleNamespace(state=u, at_rest=at_rest, apart=self.apart(u))
 
     def beside_saddle(self, state, load):
         return self.lower(state)
@@ -64,7 +55,7 @@ def test_error_of_a_step_of_another_length_than_the_one_before(allowed, tries):
     class Moving(Spring):
         def advance(self, state, load, drag):
             calls.append(drag)
-            return Point(state + 1 / (3 * drag), False)
+            return SimpleNamespace(state=state + 1 / (3 * drag), at_rest=False, apart=False)
 
     next(follow(Moving(), Instant(np.array([0.0]), 0.0, 0.0, 1.0, 3.0), 0.0, replace(PACE, allowed=allowed)))
     assert len(calls) == tries

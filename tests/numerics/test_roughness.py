@@ -1,5 +1,3 @@
-"""What a surface is like, against surfaces of which it is known."""
-
 import numpy as np
 import pytest
 
@@ -104,7 +102,6 @@ def test_what_a_law_misses_adds_to_its_uncertainty():
 
 
 def test_the_spectrum_ends_where_waves_of_all_directions_do():
-    """Waves along the diagonals are shorter than two points; bands of them alone would be of one direction."""
     grid = Grid((32, 32), (1.0, 1.0))
     heights = np.random.default_rng(2).standard_normal(grid.shape)
     spectrum = roughness_of(heights, grid).spectrum

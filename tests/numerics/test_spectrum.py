@@ -1,5 +1,3 @@
-"""Roughness spectra: the reference numbers of the paper's surface, moments against quadrature, realised surfaces."""
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,5 +1,3 @@
-"""Stiffness of a wave: closed forms against the equations of elasticity, their limits and their units."""
-
 import re
 
 import numpy as np
@@ -35,7 +33,6 @@ def integrated(q, layer, thickness, base=None):
 
 
 def isotropic(modulus, ratio):
-    """Such a material by E* and ν."""
     shear = modulus * (1 - ratio) / 2
     return modulus, ratio / (1 - ratio), (1 - 2 * ratio) / (2 * shear * (1 - ratio)), 1 / shear
 
@@ -87,7 +84,6 @@ def test_impossible_solids_are_named():
 
 
 def direction_dependent(shape=(12, 10)):
-    """A lattice-like K that depends on direction, and every entry on its own wavevector."""
     grid = Grid(shape, (3.0, 2.0))
     q_y, q_x = grid.wavevectors
     return grid, 2.0 * grid.wavenumber * (1 - 1e-3 * q_x**2 - 2e-3 * q_y**2 - 1e-3 * q_x * q_y)
@@ -123,7 +119,6 @@ AXIAL["kind"] = "transversely_isotropic"
 
 
 def layered():
-    """A small study of a layer."""
     return {
         "surface": {"kind": "self_affine", "size": 1e-7, "shape": [48, 48], "rms_height": 5e-10, "cutoff_mode": 8},
         "material": {"youngs_modulus": "2 GPa", "poissons_ratio": 0.3},

@@ -32,13 +32,11 @@ def test_laws_refuse_what_is_no_law(wrong):
 
 
 def by_default(law, **members):
-    """The law of which only the potential is known: all else as the base class derives it."""
     members |= {"potential": lambda _, gap: law.potential(gap), "has_wall": law.has_wall, "title": law.title}
     return type("PotentialOnly", (laws.TractionLaw,), members)(law.work_of_adhesion, law.length)
 
 
 def test_a_repulsion_that_ends_is_told():
-    """The search had no end."""
     law = by_default(Morse(WORK, R0, R0))
     strongest = -float(law.traction(np.array(0.0)))
     assert law.traction(law.repulsive_gap(np.array(-1e-3 * strongest))) == pytest.approx(-1e-3 * strongest)

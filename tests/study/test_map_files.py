@@ -1,5 +1,3 @@
-"""Height maps of many formats; what does not fit ends in one line."""
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -94,13 +92,10 @@ def test_dimensions_and_directions_of_coordinates(tmp_path, turn, dims, given):
     taken(path, size, rounded=1e-3 if thirds else 1e-12, **({} if given else {"size": SIZE}))
 
 
-@pytest.mark.parametrize("x", [[*range(7), 7.5], np.zeros(8), [*range(7), np.nan]])
-def test_uneven_coordinates_are_refused(tmp_path, x):
-    path = netcdf(tmp_path / "map.nc", y=AXES["y"], x=np.array(x, float))
-    assert f"coordinate x of {path} is not evenly spaced" in refused(path)
-
-
-def test_coordinates_without_a_unit(tmp_path):
+def test_uneven_coordinates_and_those_without_a_unit(tmp_path):
+    for x in ([*range(7), 7.5], [*range(7), np.nan], [0] * 8):
+        path = netcdf(tmp_path / "map.nc", y=AXES["y"], x=np.array(x, float))
+        assert f"coordinate x of {path} is not evenly spaced" in refused(path)
     path = netcdf(tmp_path / "map.nc", lateral=None, **AXES)
     taken(path, lateral_unit="um")
     assert "missing key surface.lateral_unit: " in refused(path), "6 x 8 m are no map"
@@ -113,7 +108,6 @@ def test_coordinates_without_a_unit(tmp_path):
 
 
 def test_netcdf_with_the_attributes_of_surfacetopography(tmp_path):
-    """``unit``, not ``units``; (x, y); missing heights in a variable of their own; Å as A."""
     unit, mask = {"unit": "A"}, np.zeros((8, 6), "i1")
     mask[3, 2] = 1
     coordinates = {name: (name, values, unit) for name, values in AXES.items()}

@@ -1,5 +1,3 @@
-"""Height maps as text, compressed and of instruments: numbers, channels, what is no map."""
-
 import gzip
 
 import numpy as np
@@ -81,7 +79,6 @@ CHANNELS = {"ZSensor": "Sens. Z", "AmplitudeError": "Sens. A", "Phase": "Sens. P
 
 
 def nanoscope(path, *names):
-    """A file of a scanning probe microscope: a text header, then integers of 10 V / 2¹⁶, 100 nm/V or 3 °/V."""
     pytest.importorskip("SurfaceTopography", reason="extra instruments")
     lines = ["\\*File list", "\\Version: 0x05300000", "\\Data length: 8192"]
     lines += ["\\*Scanner list", "\\@Sens. Z: V 100 nm/V", "\\@Sens. A: V 2 nm/V", "\\@Sens. P: V 3 deg/V"]

@@ -1,5 +1,3 @@
-"""What is said of a measured map before anything runs: its numbers, and what of them cannot be meant."""
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,6 @@ from tests.study.test_study import changed
 
 @pytest.fixture(scope="module")
 def heights():
-    """In m, periodic on 2 µm; self-affine with H = 0.8 from 500 nm to 20 nm."""
     keys = {"size": "2 um", "shape": [512, 512], "rms_height": "10 nm", "roll_off_mode": 4, "cutoff_mode": 100}
     table = changed("surface", **keys, seed=2) | {"interaction": {"law": "hard_wall"}}
     return realise(make_study(table).cases[0]).sampled
@@ -65,7 +62,6 @@ def test_laws_that_are_no_self_affine_surfaces():
 
 
 def test_heights_of_the_wrong_order(tmp_path, heights):
-    """Metres for nanometres in all three directions leave every slope as it is; alone refused."""
     for scale, size, words in (
         (1e9, "2000 m", "a cell of 2000 x 2000 m"),
         (1e-9, "2 um", "an rms slope of "),

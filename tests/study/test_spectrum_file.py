@@ -1,5 +1,3 @@
-"""Spectra from files: text with a header, NetCDF, and what is refused in one line."""
-
 import numpy as np
 import pytest
 import xarray as xr
