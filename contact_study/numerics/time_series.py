@@ -59,5 +59,5 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     told = (count >= LEAST_STATES) & (2 * (2 * last + 1) < count)  # 2(2W + 1)/n < 1
     known = finite & (count > 1)
     time = np.where(finite, np.where(varies, time, 0.5), np.nan)
-    columns = mean, np.where(known, error, np.nan), time, known & (~varies | told)
-    return SeriesStatistics(*(column.reshape(series.shape[1:]) for column in columns))
+    found = mean, np.where(known, error, np.nan), time, known & (~varies | told)
+    return SeriesStatistics(*(each.reshape(series.shape[1:]) for each in found))
