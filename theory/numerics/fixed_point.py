@@ -41,11 +41,9 @@ def accelerated(
             own = products[:held, :held].copy()
             own.flat[:: held + 1] += _REGULARISATION * own.trace()
             shares = np.linalg.solve(own, products[held, :held])
-        step = np.empty_like(values)
-        _step(shares, mixing, moves[:held], residual.ravel(), step.ravel())
-        if np.isfinite(largest_step):
-            step = 0.5**halvings * np.clip(step, -largest_step, largest_step)
-        before, moved = residual, np.clip(values + step, *bounds)
+        before, moved = residual, np.empty_like(values)
+        size = largest_step, 0.5**halvings
+        _step(shares, mixing, moves[:held], residual.ravel(), values.ravel(), size, bounds, moved.ravel())
         residual, weight, change = update(moved)
         count += 1
         if not np.isfinite(change):  # what the caller keeps of the last update is to be numbers
@@ -57,8 +55,8 @@ def accelerated(
             held = oldest = 0
             continue
         halvings = max(halvings - 1, 0)
-        np.subtract(residual, before, out=turns[oldest].reshape(values.shape))
-        _remember(moved.ravel(), values.ravel(), mixing, turns[oldest], moves[oldest])
+        both = (moved.ravel(), values.ravel()), (residual.ravel(), before.ravel())
+        _remember(*both, mixing, turns[oldest], moves[oldest])
         oldest = (oldest + 1) % memory
         held = min(held + 1, memory)
         values = moved
@@ -102,18 +100,31 @@ def _weighted_products(turns, weight, residual, products):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _remember(values, before, mixing, turn, move):
-    """Fill the move with that of the values and the mixed share of the turn: what a step takes back of it."""
-    for k in range(values.size):
-        move[k] = values[k] - before[k] + mixing * turn[k]
+def _remember(values, residuals, mixing, turn, move):
+    """Fill the turn of the residual, and the move of the values with the mixed share of it: what a step takes back."""
+    after, before = values
+    late, early = residuals
+    for k in range(turn.size):
+        turn[k] = late[k] - early[k]
+        move[k] = after[k] - before[k] + mixing * turn[k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _step(shares, mixing, moves, residual, step):
-    """Fill the step from the residual and the shares of the remembered states."""
-    for k in range(step.size):
-        step[k] = mixing * residual[k]
+def _step(shares, mixing, moves, residual, values, size, bounds, moved):
+    """Fill the values after a step, made of the residual and the remembered states, no larger than the size, a share.
+
+    Comparisons let pass what is no number.
+    """
+    for k in range(moved.size):
+        moved[k] = mixing * residual[k]
     for j in range(shares.size):
         share, move = shares[j], moves[j]
-        for k in range(step.size):
-            step[k] -= share * move[k]
+        for k in range(moved.size):
+            moved[k] -= share * move[k]
+    largest, part = size
+    low, high = bounds
+    for k in range(moved.size):
+        step = moved[k]
+        step = largest if step > largest else -largest if step < -largest else step
+        value = values[k] + part * step
+        moved[k] = low if value < low else high if value > high else value
