@@ -37,7 +37,7 @@ from scripts.harness import Option, head, minus, row, tabulated
 from theory import EdgeFlow, edge_flow
 from theory.edge_flow.equilibrium import KERNEL, Equilibrium, Problem
 from theory.edge_flow.kernels import differences
-from theory.gap_flow.gap_grid import GapNodes
+from theory.gap_flow.state import GapNodes
 from theory.gap_flow.state import GapState
 from theory.numerics.fixed_point import accelerated
 

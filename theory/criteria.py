@@ -1,8 +1,7 @@
 """Criteria of stickiness, each as the work of adhesion over the one at which a rough surface begins to stick.
 
-They use the surface's spectrum, and of the law its work of adhesion Δγ (J/m²), cohesive strength σ_max and range
-Δr = Δγ/σ_max (m). Made for opposite limits of the local Tabor parameter, they may disagree. A number for the elasticity
-is the contact modulus E* of a half-space (Pa).
+They use the spectrum, the work of adhesion Δγ (J/m²) and the range Δr = Δγ/σ_max (m) of a law. A number for the
+elasticity is the contact modulus E* of a half-space (Pa).
 """
 
 from collections.abc import Callable

@@ -1,9 +1,8 @@
 """Contacts with analytic solutions, to hold a calculation against: a paraboloid, and waves in one and two directions.
 
-All in SI; pressures and forces are positive in compression. Arguments are numbers or arrays that broadcast; a
-ValueError names one that is not possible. A paraboloid of radius R (m) is pressed on a half-space of contact modulus E*
-(Pa) by a force F (N), with the work of adhesion w (J/m²). Waves are h cos(2πx/λ), and Δ cos(2πx/λ) cos(2πy/λ), an egg
-box. Relative pressures p/p* and areas 2a/λ or A/A₀ lie between 0 and 1.
+All in SI, compression positive; arguments are numbers or arrays, and a ValueError names one that is not possible. A
+paraboloid of radius R (m) is pressed on a half-space of contact modulus E* (Pa) by a force F (N), with the work of
+adhesion w (J/m²). Waves are h cos(2πx/λ), and Δ cos(2πx/λ) cos(2πy/λ), an egg box.
 """
 
 import numpy as np

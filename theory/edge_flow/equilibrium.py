@@ -1,8 +1,6 @@
 """The states of the edge flow: all responses at a mean gap in equilibrium; see :mod:`theory.edge_flow.flow`.
 
-All f(u) of all scales are the unknowns of one fixed point: a sweep finds P and N from coarse to fine, s from fine to
-coarse, and the f in equilibrium with them. A few smooth modes are slow, or under strong adhesion beyond the unit
-circle: Anderson's acceleration deals with them; ln f is mixed, weighted by its area.
+All f(u) of all scales are the unknowns of one fixed point, whose few slow modes Anderson's acceleration deals with.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,21 +1,17 @@
 """Edge flow: the gap flow whose response to a wave costs the elastic energy of its own modulation.
 
-This theory is this project's own and unpublished, judged by its simulations alone. In the gap flow
-(:mod:`theory.gap_flow.flow`) every point of a wave answers by the local gap alone, so that contact has no edges. Here
-the gap u changes by −f(u) h with the roughness h of wavevector q. The distribution P of the gap and its mean-square
-gradient, M(u) = P <|∇u|² | u>, follow from coarse to fine, starting from δ(u − ū) and zero, with the height variance m:
+This theory is this project's own and unpublished, judged by its simulations alone. The gap u changes by −f(u) h with
+the roughness h of wavevector q. Its distribution P and mean-square gradient M(u) = P <|∇u|² | u> follow from coarse to
+fine, from δ(u − ū) and zero, with the height variance m; the mean traction s(u) from fine to coarse, from φ'(u):
 
-    ∂P/∂m = ½ (f² P)'',     M = f² N,     ∂N/∂m = ½ f⁻² (f⁴ N')' + f'² N + q² P.
+    ∂P/∂m = ½ (f² P)'',     M = f² N,     ∂N/∂m = ½ f⁻² (f⁴ N')' + f'² N + q² P,     ∂s/∂m = ½ f² s''.
 
-The mean traction s(u) follows from fine to coarse, starting from φ'(u), ∂s/∂m = ½ f² s'', with its slope c = s'. On a
-half-space a wave that is modulated with the wavenumber p costs ½E* <|q + p|>, not K = ½E* q. As X = −(P q²)⁻¹ ∂ M ∂
-stands for p²/q² on functions of u, equilibrium of the scale asks, with g = 1,
+With c = s' and X = −(P q²)⁻¹ ∂ M ∂, which stands for p²/q² of a modulation p, equilibrium of the scale asks
 
-    [κ(X) K + c] f = K,     κ(X) = 1 + g [X/4 + 4/(X + 4) − 1].
+    [κ(X) K + c] f = K,     κ(X) = 1 + g [X/4 + 4/(X + 4) − 1],
 
-On another solid g(q) is :func:`theory.edge_flow.equilibrium.modulation_cost`; on springs it is zero, and f = K/(K + c)
-as in the gap flow. With E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū. There is no hull and no hysteresis.
-Under strong adhesion the curve has several pieces.
+g = 1 on a half-space, on other solids :func:`theory.edge_flow.equilibrium.modulation_cost`. With
+E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū. Under strong adhesion the curve has several pieces.
 """
 
 from dataclasses import dataclass
@@ -29,8 +25,7 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.edge_flow.equilibrium import KERNEL, EdgeFlowOptions, Equilibrium, Piece, Problem, curve, scales_of
-from theory.gap_flow.gap_grid import GapNodes, nodes_even_in_stress
-from theory.gap_flow.state import GapState, PressureCurve, core_of, positions
+from theory.gap_flow.state import GapNodes, GapState, PressureCurve, core_of, nodes_even_in_stress, positions
 
 EDGE_FLOW_GAPS, EDGE_FLOW_SCALES = 240, 80  # nodes of the gap and steps of the roughness
 
@@ -46,17 +41,13 @@ class EdgeFlow(PressureCurve):
 
     Attributes
     ----------
-    law : TractionLaw
-        The law in units of ``length`` and ``contact_modulus``.
-    length, contact_modulus : float
-        The units (m, Pa).
+    law, length, contact_modulus : TractionLaw, float
+        The law in units of ``length`` and ``contact_modulus`` (m, Pa).
     pieces : tuple of tuple of Equilibrium
         The states that make the curve, from far to contact, mean gaps falling, in these units; more than one piece
         where the iteration finds no state between.
-    lost : int
-        Other mean gaps where it found none.
-    limit : str
-        How strong adhesion is, in words for where the curve ends early.
+    lost, limit : int, str
+        Other mean gaps where it found none, and how strong adhesion is, in words.
 
     Examples
     --------
@@ -72,8 +63,8 @@ class EdgeFlow(PressureCurve):
     _problem: Problem
     _nodes: GapNodes
 
-    @property
-    def _end(self) -> str:
+    @cached_property
+    def _end(self) -> str:  # type: ignore[override]
         return f"adhesion is too strong for the edge flow ({self.limit})"
 
     @property
@@ -194,27 +185,21 @@ def edge_flow(
 ) -> EdgeFlow:
     """Solve the edge flow, this project's own and unpublished theory, along its curve of pressure over mean gap.
 
-    Areas converge with the second order of the nodes; the number of scales hardly matters (1e-4 from 80 to 320). At the
-    default resolution the area of the paper's surface at 1 GPa is 0.1 % too large at ε0 and at 8 ε0.
+    Areas converge with the second order of the nodes; at the default resolution that of the paper's surface at 1 GPa is
+    0.1 % too large at ε0 and at 8 ε0. The number of scales hardly matters.
 
     Parameters
     ----------
     spectrum, elasticity, law
         As for :func:`gap_flow`.
-    highest_pressure : float, optional
-        Pressure that the curve reaches (Pa); by default one at which contact is all but whole.
-    largest_gap, smallest_gap : float, optional
-        Mean gaps, from the law's zero, that it reaches, too (m).
+    highest_pressure, largest_gap, smallest_gap : float, optional
+        Pressure (Pa), by default nearly of whole contact, and mean gaps from the law's zero (m) that the curve reaches.
     gaps, scales : int, optional
         Nodes of the gap, and steps of the roughness; wider roughness has more nodes, wider bands have more steps.
-    tolerance : float, optional
-        Largest change of a scale's mean response in the last sweep.
-    iterations : int, optional
-        Sweeps of a state before it is approached in smaller steps, or given up and flagged.
-    kernel : tuple of float, optional
-        Slope s, level t and pole b of κ(X) = s X + t + (1 − t) b/(X + b), what a modulation costs on a half-space.
-    options : EdgeFlowOptions, optional
-        Numerical choices.
+    tolerance, iterations : float, int, optional
+        Largest change of a scale's mean response in the last sweep, and sweeps of a state at most.
+    kernel, options : tuple of float, EdgeFlowOptions, optional
+        Slope s, level t and pole b of κ(X) = s X + t + (1 − t) b/(X + b) on a half-space; numerical choices.
 
     Returns
     -------

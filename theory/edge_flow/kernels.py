@@ -1,8 +1,7 @@
 """The compiled sweeps of the edge flow through the scales; see :mod:`theory.edge_flow.flow` for the equations.
 
-Arrays over the scales are ordered from fine to coarse, in units of the law's length and the contact modulus. A scale
-adds the height variance Δm in one step of Alexander's L-stable SDIRK method of order two; the first steps of the
-distribution, whose data are sharp, are of the implicit Euler method.
+Scales are ordered from fine to coarse. Each adds its height variance Δm in one step of Alexander's L-stable SDIRK
+method of order two; the first steps of the distribution, whose data are sharp, are of the implicit Euler method.
 """
 
 import numpy as np

@@ -1,18 +1,14 @@
 """Gap-flow theory: roughness added scale by scale to the traction-separation law itself.
 
-Akin to J. Joe, Traction Between Rough Surfaces (PhD thesis, University of Michigan, 2021, hdl:2027.42/169927). Let
-U(ū) be the energy per area at mean gap ū with all roughness of wavevectors above q; at the finest scale it is the law,
-φ(ū). A wave of height variance dm = 2πqC dq and stiffness K(q) relaxes on the curvature c = U'' and adds
+Akin to J. Joe, Traction Between Rough Surfaces (PhD thesis, University of Michigan, 2021, hdl:2027.42/169927). With
+U(ū) the energy at mean gap ū, first φ(ū), and c = U'', a wave of height variance dm = 2πqC dq adds
 
     ∂U/∂m = ½ K c / (K + c).
 
-Where c < −K the wave is unstable. In equilibrium two states then coexist: U + ½Kū² is replaced by its convex hull
-("equilibrium"). Without nucleation a patch jumps where its state loses stability: U' + Kū is replaced by its running
-minimum from large gaps downward ("loading") or its running maximum from small gaps upward ("unloading").
-
-With v = ½K²/(K + c) an implicit step reads ½K²/v + Δm v'' = K + c_old, convex and decreasing in v. Its matrix also
-carries every observable of the local gap; the transposed steps, from coarse to fine, turn a mean gap into the
-distribution of the local gap.
+Where c < −K two states coexist: U + ½Kū² becomes its convex hull ("equilibrium"), or U' + Kū its running minimum from
+large gaps downward ("loading") or its running maximum from small gaps upward ("unloading"), where states lose
+stability. With v = ½K²/(K + c) an implicit step reads ½K²/v + Δm v'' = K + c_old. Its transposed matrix, from coarse to
+fine, turns a mean gap into the distribution of the local gap.
 """
 
 from dataclasses import dataclass
@@ -23,9 +19,8 @@ import numpy as np
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
-from theory.gap_flow.gap_grid import GapNodes, gap_nodes
 from theory.gap_flow.kernels import BRANCHES, backward_sweep, flow_through_scales
-from theory.gap_flow.state import GapState, PressureCurve, core_of, cumulatives, positions
+from theory.gap_flow.state import GapNodes, GapState, PressureCurve, core_of, cumulatives, gap_nodes, positions
 
 GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600  # nodes of the gap and bands of wavevectors
 
@@ -49,16 +44,12 @@ class GapFlow(PressureCurve):
 
     Attributes
     ----------
-    law : TractionLaw
-        The law in these units.
-    length, contact_modulus : float
-        The units (m, Pa).
+    law, length, contact_modulus : TractionLaw, float
+        The law in these units (m, Pa).
     branch : str
         One of :data:`BRANCHES`.
-    gaps : numpy.ndarray, shape (n,)
-        Nodes of the gap.
-    energy : numpy.ndarray, shape (n,)
-        U at the nodes, all roughness included.
+    gaps, energy : numpy.ndarray, shape (n,)
+        Nodes of the gap, and U at these, all roughness included.
     unconverged_steps : int
         Steps of the roughness in which Newton's method did not meet its tolerance.
 
@@ -88,10 +79,6 @@ class GapFlow(PressureCurve):
     def converged(self) -> bool:
         """Whether the implicit equations of every step are solved."""
         return self.unconverged_steps == 0
-
-    @property
-    def _from_contact(self) -> bool:
-        return self.branch == "unloading"
 
     @cached_property
     def _nodes(self) -> GapNodes:
@@ -152,22 +139,14 @@ def gap_flow(
 
     Parameters
     ----------
-    spectrum : RoughnessSpectrum
-        Roughness; of a realised surface each shell of modes is a scale.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* of a half-space (Pa).
-    law : TractionLaw
-        Interaction of smooth surfaces.
+    spectrum, elasticity, law : RoughnessSpectrum, Elasticity or float, TractionLaw
+        Roughness; the solid, or the contact modulus E* of a half-space (Pa); interaction of smooth surfaces.
     branch : str, optional
         ``"equilibrium"``, ``"loading"`` or ``"unloading"``.
     largest_gap : float, optional
         Mean gap that the nodes must hold, beyond where surfaces of this roughness touch (m).
-    gaps : int, optional
-        Nodes of the gap.
-    scales : int, optional
-        Bands of wavevectors, at least; wide ones are taken in several steps.
-    iterations : int, optional
-        Newton iterations of a step at most.
+    gaps, scales, iterations : int, optional
+        Nodes of the gap, bands of wavevectors at least, and Newton iterations of a step at most.
     options : GapFlowOptions, optional
         Numerical choices.
 

@@ -1,19 +1,20 @@
-"""Theories of the local gap share its distribution, what is read off it, and the mean pressure over the mean gap."""
+"""Theories of the local gap share its nodes, its distribution with what is read off it, and p over the mean gap."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numba import njit
 from scipy.interpolate import PchipInterpolator, PPoly
 
 from contact_study.inputs.units import stress
 from contact_study.numerics.arguments import finite
 from contact_study.numerics.kernel import inner_product
 from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.solids import Elasticity
 from theory.datasets import dataset_of
-from theory.gap_flow.gap_grid import GapNodes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +25,51 @@ _KEPT = 1e-6  # relative change of area and mean gap that the rounding of some t
 _SEEN = 1e-9  # area of a node below which default bins need not reach it
 _NO_WEIGHT = 1e-200  # weights below it are none: far beyond the roughness they fall off through all numbers
 _QUANTITIES = ("relative_repulsive_area", "elastic_energy", "interaction_energy", "stress_balance", "residual")
+
+_PIECES = 32  # of a node's interval over which the distribution of stress is summed
+_FINE = 0.8  # distance from the lowest node, in the law's lengths, over which nodes are even before they widen
+_TABLE = 40001  # points between which the coordinate of the nodes is interpolated
+
+# Nodes for one deviation of the stress of full contact, deviations up to which that holds, the part of it for tension,
+# the peak tension in deviations from which on it counts for these, and the range of the gap that is usual.
+_NODES_PER_DEVIATION, _EVEN, _OF_TENSION, _STRONGEST, _USUAL_STEPS = 4.0, 4.0, 0.5, 10.0, 4.6
+
+
+@dataclass(frozen=True, eq=False)
+class GapNodes:
+    """Nodes that all states of a curve share, in units of a length and the contact modulus."""
+
+    law: TractionLaw
+    gaps: np.ndarray  # rising nodes of the local gap, shape (n,)
+    between: np.ndarray | None = None  # where their intervals meet, shape (n - 1,); by default halfway
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """Ends of the intervals over which the nodes' weights are spread, shape (n + 1,)."""
+        middle = 0.5 * (self.gaps[1:] + self.gaps[:-1]) if self.between is None else self.between
+        return np.concatenate([self.gaps[:1], middle, self.gaps[-1:]])
+
+    def mean_stress(self, shares: np.ndarray) -> float:
+        """Mean of the distribution that :meth:`stress_masses` sorts into bins, in units of the modulus."""
+        return inner_product(shares, 0.5 * (self._stress[1:] + self._stress[:-1]))
+
+    def stress_masses(self, shares: np.ndarray, bins: np.ndarray) -> np.ndarray:
+        """Area in each bin of the stress σ = −φ'(u), shape (m,) for m + 1 rising ends in units of the modulus."""
+        masses = np.zeros(bins.size - 1)
+        _spread(self._stress, shares, bins, masses)
+        return masses
+
+    def shares(self, cubics: np.ndarray) -> np.ndarray:
+        """Area in each piece of the intervals, from the area below a gap in cubics of the distance in an interval."""
+        ends = np.arange(_PIECES + 1) / _PIECES
+        powers = np.diff(ends ** np.array([[3], [2], [1]]))
+        return ((cubics[:3] * np.diff(self.edges) ** np.array([[3], [2], [1]])).T @ powers).ravel()
+
+    @cached_property
+    def _stress(self) -> np.ndarray:
+        """σ at the ends of all pieces."""
+        count = self.gaps.size
+        return -self.law.traction(np.interp(np.arange(_PIECES * count + 1) / _PIECES, np.arange(count + 1), self.edges))
 
 
 def cumulatives(nodes: GapNodes, weights: np.ndarray) -> list[PPoly]:
@@ -39,22 +85,14 @@ def cumulatives(nodes: GapNodes, weights: np.ndarray) -> list[PPoly]:
 class GapState:
     """The local gaps at one mean gap.
 
-    ``nodes`` are in units of ``length``; energies and pressures are SI.
-
     Attributes
     ----------
     labels : tuple of str
         Theory, and its metastable branch if it is one.
     nodes : GapNodes
-        The local gaps, and the law, in units of ``length`` and ``contact_modulus``.
-    length, contact_modulus : float
-        The units (m, Pa).
-    mean_gap : float
-        ū from the law's zero (m).
-    pressure : float
-        p = −∂U/∂ū (Pa).
-    elastic_energy : float
-        Elastic energy of all waves, per nominal area (J/m²).
+        The local gaps, and the law, in units of ``length`` and ``contact_modulus`` (m, Pa).
+    mean_gap, pressure, elastic_energy : float
+        ū from the law's zero (m), p = −∂U/∂ū (Pa), and the energy of all waves per nominal area (J/m²).
     weights : numpy.ndarray, shape (n,)
         Fraction of the area at each node.
     converged : bool
@@ -94,9 +132,8 @@ class GapState:
     @property
     def residual(self) -> float:
         """Last change of the responses; of a theory without iteration what parts both pressures, over E*."""
-        if self.change is not None:
-            return self.change
-        return abs(self.mean_traction - self.pressure) / self.contact_modulus
+        apart = abs(self.mean_traction - self.pressure) / self.contact_modulus
+        return apart if self.change is None else self.change
 
     @property
     def complete(self) -> bool:
@@ -192,32 +229,24 @@ class GapState:
         )
 
 
-class PressureCurve(ABC):
+class PressureCurve:
     """The curve p(ū) of a surface, to be asked for the state at a pressure or a mean gap."""
 
+    _end = "adhesion is too strong for it"  # why the curve may end before a pressure
+
     @property
-    @abstractmethod
     def mean_gap(self) -> np.ndarray:
         """Rising mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n,) (m)."""
+        raise NotImplementedError
 
     @property
-    @abstractmethod
     def pressure(self) -> np.ndarray:
         """p = −∂U/∂ū, shape (n,) (Pa)."""
+        raise NotImplementedError
 
-    @abstractmethod
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
         """Distribution of the local gap at each mean gap (m); ValueError outside the nodes of the flow."""
-
-    @property
-    def _from_contact(self) -> bool:
-        """Whether of several stable states at a pressure the one of the smallest gap is asked, not of the largest."""
-        return False
-
-    @property
-    def _end(self) -> str:
-        """Why the curve may end before a pressure."""
-        return "adhesion is too strong for it"
+        raise NotImplementedError
 
     @property
     def pull_off_pressure(self) -> float:
@@ -239,7 +268,7 @@ class PressureCurve(ABC):
         crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
         if crossings.size == 0:
             return float("nan")
-        i = crossings[0 if self._from_contact else -1]
+        i = crossings[0 if getattr(self, "branch", "") == "unloading" else -1]
         weight = (p[i] - pressure) / (p[i] - p[i + 1])
         return float((1 - weight) * gap[i] + weight * gap[i + 1])
 
@@ -273,3 +302,70 @@ def positions(mean_gaps: np.ndarray, lowest: float, highest: float) -> np.ndarra
             f"mean_gaps: {asked[wrong][0]:.6g} m is outside the nodes of the flow, {lowest:.6g} m to {highest:.6g} m"
         )
     return asked
+
+
+def gap_nodes(
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
+) -> np.ndarray:
+    """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
+    lowest, steps = _reach(spectrum, solid, law, length, largest_gap)
+    return lowest + _FINE * np.sinh(np.linspace(0, steps, count))
+
+
+def nodes_even_in_stress(
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
+) -> GapNodes:
+    """Nodes even in a sum of the coordinate of :func:`gap_nodes` and of the law's stress, which decides the mean.
+
+    ``count`` is for roughness of the law's own size; wider ranges have more nodes, as many for each factor of e.
+    """
+    lowest, steps = _reach(spectrum, solid, law, length, largest_gap)
+    count = int(np.ceil(count * max(steps / _USUAL_STEPS, 1)))
+    fine = np.linspace(0, steps, _TABLE)
+    gaps = lowest + _FINE * np.sinh(fine)
+    deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
+    stress = -law.traction(gaps) / max(deviation, law.peak_tensile_stress / _STRONGEST)
+    # Even up to some deviations of the stress of full contact, logarithmic beyond; the tension by half as many.
+    change = np.abs(np.diff(np.where(stress > 0, _EVEN * np.arcsinh(stress / _EVEN), _OF_TENSION * stress)))
+    law_nodes = _NODES_PER_DEVIATION * np.concatenate([[0.0], np.cumsum(change)])
+    law_nodes *= min(1.0, 0.5 * (count - 1) / law_nodes[-1])
+    number = law_nodes + (count - 1 - law_nodes[-1]) * fine / steps
+    places = np.interp(np.arange(2 * count - 1) / 2, number, gaps)
+    return GapNodes(law, places[::2], places[1::2])
+
+
+def _reach(
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float
+) -> tuple[float, float]:
+    """The lowest node, and how far the highest is in the inverse hyperbolic sine of the distance from it."""
+    # No patch is pressed by twenty deviations of full contact; a mean pressure of the modulus is beyond all sense.
+    deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
+    highest = max(20 * deviation, 1.0) + 5 * law.peak_tensile_stress
+    lowest = float(law.repulsive_gap(np.array(-highest)))
+    roughness = np.sqrt(spectrum.mean_square_height) / length
+    reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
+    return lowest, float(np.arcsinh((reach - lowest) / _FINE))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spread(stress, shares, bins, masses):
+    """Add the share of each piece, spread evenly from the stress at its one end to that at the other, to the bins."""
+    last = masses.size - 1
+    bin_ = 0  # pieces follow each other, and so do their bins
+    for piece in range(shares.size):
+        share = shares[piece]
+        low, high = min(stress[piece], stress[piece + 1]), max(stress[piece], stress[piece + 1])
+        if not share > 0.0 or high < bins[0] or low >= bins[last + 1]:
+            continue
+        while bin_ > 0 and bins[bin_] > low:
+            bin_ -= 1
+        while bin_ < last and bins[bin_ + 1] <= low:
+            bin_ += 1
+        if high <= bins[bin_ + 1] and low >= bins[bin_]:
+            masses[bin_] += share
+            continue
+        density = share / (high - low)
+        reached = bin_
+        while reached <= last and bins[reached] < high:
+            masses[reached] += density * (min(high, bins[reached + 1]) - max(low, bins[reached]))
+            reached += 1

@@ -1,7 +1,6 @@
 """Persson's theory without adhesion, where the diffusion with a resting boundary is solved by images.
 
-Area and stress: B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001). Separation: B. N. J. Persson, Phys. Rev. Lett. 99,
-125502 (2007), with the elastic energy's weight of C. Yang et al., EPL 84, 46004 (2008).
+B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); separation: Phys. Rev. Lett. 99, 125502 (2007).
 """
 
 from functools import cache

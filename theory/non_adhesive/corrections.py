@@ -2,19 +2,15 @@
 
 The stress of the contact diffuses with the stress variance V(q) of full contact; in incomplete contact with less, V_p:
 
-    A = erf(p/√(2V_p)),     P(σ) = (2πV_p)^(−½) [e^(−(σ−p)²/2V_p) − e^(−(σ+p)²/2V_p)],
-    ``persson``        V_p = V
-    ``yang_persson``   dV_p = [γ + (1−γ)A²] dV
-    ``wang_mueser``    dV_p = [5/9 − (2/9)A² + (2/3)A⁴] dV
-    ``xu``             V_p = [γ + (1−γ)A] V
+    A = erf(p/√(2V_p)),     ``persson`` V_p = V,     ``yang_persson`` dV_p = [γ + (1−γ)A²] dV,
+    ``wang_mueser`` dV_p = [5/9 − (2/9)A² + (2/3)A⁴] dV,     ``xu`` V_p = [γ + (1−γ)A] V
 
 B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20, 215214
 (2008); A. Wang, M. H. Müser, Tribol. Lett. 65 (2017); Y. Xu, L. Zhu, F. Xiao, Y. Zhou, Tribol. Lett. (2024),
 doi:10.1007/s11249-024-01838-4, whose programs, https://github.com/xylcsi/PerssonModelFudgeFactor, have γ = 0.42.
 
-V_p/p² = t is one function of V/p² = F. The elastic energy is U = ∫ W dU_full with dU_full = dV/2K and W = A dt/dF, and
-ū = ∫_p^∞ dU/p': energy, mean gap and stiffness are sums over a spectrum of W(x), G(x) = ∫_x^∞ W'(x')/x' dx' and W'(x)
-at x = p/√V.
+V_p/p² = t is one function of V/p² = F. With W = A dt/dF energy, mean gap and stiffness are sums over a spectrum of
+W(x), G(x) = ∫_x^∞ W'(x')/x' dx' and W'(x) at x = p/√V.
 """
 
 from collections.abc import Callable
@@ -117,12 +113,8 @@ class NonAdhesiveContact:
     ----------
     theory : NonAdhesiveTheory
         The interface.
-    pressure : float
-        p (Pa).
-    elastic_energy : float
-        U per nominal area (J/m²).
-    mean_gap : float
-        ū (m).
+    pressure, elastic_energy, mean_gap : float
+        p (Pa), U per nominal area (J/m²) and ū (m).
     stiffness : float
         −dp/dū = p/(dU/dp) (Pa/m); infinite in full contact.
 

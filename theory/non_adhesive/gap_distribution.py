@@ -1,14 +1,13 @@
 """P(u) of contact without adhesion by Persson's theory, and the DMT-like limit of adhesion that it makes possible.
 
 A. Almqvist, C. Campañá, N. Prodanov, B. N. J. Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412. The area
-that is in contact at the magnification ζ and out of it at ζ + dζ has the mean gap u₁(ζ) = d(Aū)/dA there. Here ū(ζ) is
-the mean separation of the surfaces in contact at ζ, under the pressure p/A(ζ) and with the roughness beyond ζ alone.
-That roughness, of rms height h(ζ), spreads the gap as a Gaussian, folded at u = 0:
+that leaves contact at the magnification ζ has the mean gap u₁(ζ) = d(Aū)/dA, ū(ζ) being the mean separation under the
+pressure p/A(ζ) with the roughness beyond ζ alone, whose rms height h(ζ) spreads the gap:
 
     P(u) = ∫ dζ (−A'(ζ)) [g(u − u₁; h) + g(u + u₁; h)],     u > 0.
 
-``regularised`` narrows the Gaussian where it would reach far below zero, h⁻² → h⁻² + u₁⁻². Experimental: compared with
-the gaps of the continuum (docs/theories.md), not with the equations in print. The mean gap is that of the u₁.
+``regularised`` narrows the Gaussian, h⁻² → h⁻² + u₁⁻². Experimental: compared with the gaps of the continuum
+(docs/theories.md), not with the equations in print.
 """
 
 from collections.abc import Callable
@@ -41,10 +40,8 @@ class GapDistribution:
 
     Attributes
     ----------
-    pressure : float
-        p (Pa).
-    relative_contact_area : float
-        A(q₁)/A₀, the share with a gap of zero.
+    pressure, relative_contact_area : float
+        p (Pa), and A(q₁)/A₀, the share with a gap of zero.
     shares : numpy.ndarray, shape (n,)
         Area of each part out of contact over the nominal one.
     centres, widths : numpy.ndarray, shape (n,)
@@ -116,10 +113,8 @@ def gap_distribution(
         As for :func:`gap_flow`.
     pressure : float
         p > 0 (Pa).
-    regularised : bool, optional
-        Narrow the Gaussians near zero, h⁻² → h⁻² + u₁⁻².
-    beta : float, optional
-        β of the energy's weight in ū.
+    regularised, beta : bool, float, optional
+        Narrow the Gaussians near zero, h⁻² → h⁻² + u₁⁻²; β of the energy's weight in ū.
 
     Returns
     -------
@@ -198,10 +193,8 @@ def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
 
     Parameters
     ----------
-    distribution : GapDistribution
-        Without adhesion, at the pressure p that the contact itself carries.
-    law : TractionLaw
-        The adhesive law.
+    distribution, law : GapDistribution, TractionLaw
+        P(u) without adhesion, at the pressure p that the contact itself carries; the adhesive law.
 
     Returns
     -------

@@ -14,6 +14,8 @@ from theory.persson.diffusion import StressDistribution, diffuse
 if TYPE_CHECKING:
     import xarray as xr
 
+    from theory.persson.theory import PerssonTheory
+
 
 @dataclass(frozen=True)
 class PerssonContact:
@@ -23,20 +25,14 @@ class PerssonContact:
     ----------
     theory : PerssonTheory
         The interface.
-    pressure : float
-        p, compression positive (Pa).
-    detachment_stress : numpy.ndarray
-        σ_a at the theory's magnifications (Pa).
+    pressure, detachment_stress : float, numpy.ndarray
+        p, compression positive, and σ_a at the theory's magnifications (Pa).
     distribution : StressDistribution
         P(σ) at the highest magnification and A(q), in units of ``theory.stress_scale``.
-    converged : bool
-        Whether the residual met the tolerance and the stresses balance.
-    stalled : bool
-        Whether the iteration ended because its change stopped falling.
-    residual : float
-        Largest change of σ_a in the last iteration over ``theory.stress_scale``.
-    iterations : int
-        Diffusions solved.
+    converged, stalled : bool
+        Whether the residual met the tolerance and the stresses balance; or its change stopped falling.
+    residual, iterations : float, int
+        Largest change of σ_a in the last iteration over ``theory.stress_scale``; diffusions solved.
 
     Examples
     --------
@@ -47,7 +43,7 @@ class PerssonContact:
     (1.0, True)
     """
 
-    theory: Any  # PerssonTheory, which makes these states
+    theory: "PerssonTheory"
     pressure: float
     detachment_stress: np.ndarray
     distribution: StressDistribution
@@ -94,8 +90,7 @@ class PerssonContact:
     @property
     def adhesion_energy(self) -> float:
         """−Δγ A*(q₁) per nominal area (J/m²)."""
-        theory = self.theory
-        return float(-theory.work_of_adhesion * self.relative_contact_area * theory.area_factor[-1])
+        return float(-self.theory.work_of_adhesion * self.relative_contact_area * self.theory.area_factor[-1])
 
     @property
     def energy(self) -> float:
@@ -121,9 +116,8 @@ class PerssonContact:
     def balanced(self) -> bool:
         """True if contact and edges carry the applied pressure within the bound of the options."""
         error, options = self.contact_stress + self.edge_stress - self.pressure, self.theory.options
-        return abs(error) <= options.balance * max(
-            abs(self.pressure), options.least_pressure * self.theory.stress_scale
-        )
+        least = options.least_pressure * self.theory.stress_scale
+        return abs(error) <= options.balance * max(abs(self.pressure), least)
 
     def pressure_density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""
@@ -133,12 +127,12 @@ class PerssonContact:
     def stress_density(self, edges: np.ndarray, wavevector: float) -> np.ndarray:
         """Mean of P(σ) in bins (1/Pa) between edges (Pa), without the roughness above a wavevector (1/m)."""
         theory, scale = self.theory, self.theory.stress_scale
-        first, last = theory.wavevectors[[0, -1]]
-        if not first < finite("wavevector", wavevector, "1/m") <= last * (1 + 1e-9):  # it may be a product
+        low, high = theory.wavevectors[[0, -1]]
+        if not low < finite("wavevector", wavevector, "1/m") <= high * (1 + 1e-9):  # it may be a product
             raise ValueError(
-                f"wavevector = {wavevector:g} 1/m: the magnifications go from above {first:.6g} to {last:.6g}"
+                f"wavevector = {wavevector:g} 1/m: the magnifications go from above {low:.6g} to {high:.6g}"
             )
-        at = min(wavevector, last)
+        at = min(wavevector, high)
         end = theory.spectrum.full_contact_stress_variance(theory.solid.stiffness, np.array([at]))[0]
         below = theory.stress_variance[theory.wavevectors < at]
         variance = np.append(below[below < end], end) / scale**2
@@ -185,13 +179,12 @@ class PerssonContact:
         if self.pressure > 0 and not self.detached:
             swept = theory.sweep(min(self.pressure, theory.stress_scale))
             gap = float(gap_integral(swept)(np.log(self.pressure)))
-        ends = self.distribution.edges[[0, -1]] * theory.stress_scale
-        quantities = {**self.quantities(), "mean_gap": gap}
-        coordinates = {"wavevector": theory.wavevectors}
+        low, high = self.distribution.edges[[0, -1]] * theory.stress_scale
+        quantities, coordinates = {**self.quantities(), "mean_gap": gap}, {"wavevector": theory.wavevectors}
         if magnifications is not None:
             coordinates["magnification"] = np.asarray(magnifications, dtype=float)
             quantities["pressure_pdf_at"] = self.stress_densities(coordinates["magnification"])
-        bins = dict.fromkeys(("pressure_pdf", "pressure_pdf_at"), (pressure_edges, (float(ends[0]), float(ends[1]))))
+        bins = dict.fromkeys(("pressure_pdf", "pressure_pdf_at"), (pressure_edges, (float(low), float(high))))
         return dataset_of(("persson",), quantities, bins, coordinates)
 
 

@@ -1,9 +1,8 @@
 """Diffusion of the interfacial stress distribution with an absorbing boundary that moves.
 
-B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001): the stress of the contact diffuses, ∂P/∂s = ½ ∂²P/∂σ², where s is its
-variance in full contact, and contact is lost at the detachment stress: P(−σ_a(s), s) = 0. With x = σ + σ_a(s) the
-masses of cells follow a Markov chain between neighbouring centres, at rates whose mean displacement is σ_a' exactly:
-monotone, it conserves area and stress to rounding. L-stable two-stage SDIRK in s has one factorisation for both stages.
+B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001): ∂P/∂s = ½ ∂²P/∂σ² with the variance s of full contact's stress, and
+P(−σ_a(s), s) = 0. With x = σ + σ_a(s) the masses of cells follow a Markov chain between neighbouring centres whose mean
+displacement is σ_a' exactly: it conserves area and stress to rounding. L-stable two-stage SDIRK in s.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,6 @@
-"""Mean separation from the interfacial energy: ū(p) = ∫_p^∞ (dU/dp') dp'/p'.
+"""Mean separation ū(p) = ∫_p^∞ (dU/dp') dp'/p' along the adhered branch, from full contact downward; pull-off.
 
-Yang, Persson, Israelachvili and Rosenberg, EPL 84, 46004 (2008), eq. (6), along the adhered branch from full contact
-downward. ū exists for p > 0 only: at p = 0 it diverges as −ln p, and with sticking by a dU/dp that does not vanish.
+Yang, Persson, Israelachvili and Rosenberg, EPL 84, 46004 (2008), eq. (6). At p = 0 it diverges.
 """
 
 import warnings
@@ -32,10 +31,8 @@ class SeparationCurve:
 
     Attributes
     ----------
-    pressure : numpy.ndarray
-        Increasing pressures > 0 of the sweep (Pa).
-    contacts : tuple of PerssonContact
-        The state at each.
+    pressure, contacts : numpy.ndarray, tuple of PerssonContact
+        Increasing pressures > 0 of the sweep (Pa), and the state at each.
 
     Examples
     --------
@@ -104,12 +101,8 @@ def separation_curve(
 
     Parameters
     ----------
-    theory : PerssonTheory
-        The interface.
-    lowest : float
-        Smallest pressure of interest (Pa).
-    per_decade : int, optional
-        Pressures per decade.
+    theory, lowest, per_decade : PerssonTheory, float, int
+        The interface, the smallest pressure of interest (Pa), and pressures per decade.
     tolerance, max_iterations : optional
         Limits of the iteration of each state, see :meth:`PerssonTheory.at_pressure`.
 
@@ -151,10 +144,8 @@ def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_itera
 
     Parameters
     ----------
-    theory : PerssonTheory
-        The interface.
-    tolerance, max_iterations : optional
-        Limits of the iteration of each state, see :meth:`PerssonTheory.at_pressure`.
+    theory, tolerance, max_iterations
+        As for :func:`separation_curve`.
 
     Returns
     -------
@@ -193,12 +184,10 @@ def pull_off_pressure(
 
     Parameters
     ----------
-    theory : PerssonTheory
-        The interface.
+    theory, tolerance, max_iterations
+        As for :func:`separation_curve`. A state that does not converge counts as detached.
     accuracy : float, optional
         Accuracy over the stress scale, or over the pull-off pressure where that is larger.
-    tolerance, max_iterations : optional
-        Limits of the iteration of each state. A state that does not converge counts as detached.
 
     Returns
     -------

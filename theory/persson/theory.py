@@ -1,21 +1,13 @@
 """Persson's theory of rough contact with adhesion, as Yang et al. used it.
 
-C. Yang, B. N. J. Persson, J. Israelachvili and K. Rosenberg, EPL 84, 46004 (2008), arXiv:0808.3463, with B. N. J.
-Persson, Surf. Sci. Rep. 61, 201 (2006), arXiv:cond-mat/0603807, section 8. The contact is studied at growing
-magnification q: its stress distribution diffuses with the roughness added (:mod:`theory.persson.diffusion`), stopped at
-the detachment stress σ_a(q) of a crack of size 1/q,
+C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008), arXiv:0808.3463, and B. N. J. Persson,
+Surf. Sci. Rep. 61, 201 (2006), section 8. Stress diffuses with the magnification q (:mod:`theory.persson.diffusion`),
+stopped at σ_a(q) of a crack of size 1/q; A* is the true area, U_el the energy of wavelengths shorter than 2π/q:
 
-    σ_a² = 2α K(q) γ_eff(q),     γ_eff(q) A*(q) = Δγ A*(q₁) − U_el(q),
-
-where A*(q) is the true area in contact and U_el(q) the elastic energy stored at wavelengths shorter than 2π/q,
-
-    U_el(q) = π ∫_q^q₁ K(q') W(A(q')) C(q') q' dq'.
-
-The paper has a half-space, K = E* q/2. Any other solid enters by its stiffness K(q) of a wave, and by the stress
-variance 2π ∫ K² q C dq of full contact.
+    σ_a² = 2α K γ_eff,     γ_eff A* = Δγ A*(q₁) − U_el,     U_el(q) = π ∫_q^q₁ K W(A) C q' dq'.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -77,21 +69,15 @@ class PerssonTheory:
         The solid; a number is the contact modulus E* of a half-space (Pa).
     work_of_adhesion : float
         Δγ >= 0 (J/m²).
-    energy_weight : str, optional
+    energy_weight, beta : str, float, optional
         W(A): ``"paper"`` A[β + (1−β)A²]; ``"wang_mueser"`` A[5/9 − (2/9)A² + (2/3)A⁴]; ``"area"`` A.
-    beta : float, optional
-        β of the paper's weight.
     true_area : str, optional
         True over projected area: ``"persson"`` <√(1+|∇h|²)> of a Gaussian surface; ``"none"`` 1; ``"lattice"``
         <1/√(1+|∇h|²)>, for a substrate of atoms with a fixed number per projected area.
-    alpha : float, optional
-        α of the crack condition.
-    stress_cap : float, optional
-        Upper bound of σ_a, such as the law's largest tensile stress (Pa).
-    nodes, cells : int, optional
-        Magnifications and stress cells of the diffusion.
-    options : PerssonOptions, optional
-        Constants of the numerics.
+    alpha, stress_cap : float, optional
+        α of the crack condition, and upper bound of σ_a, such as the law's largest tensile stress (Pa).
+    nodes, cells, options : int, PerssonOptions, optional
+        Magnifications and stress cells of the diffusion; constants of the numerics.
 
     Raises
     ------
@@ -222,10 +208,8 @@ class PerssonTheory:
         start : numpy.ndarray or str, optional
             First σ_a at the magnifications (Pa), such as that of a neighbouring pressure; or ``"adhered"``, σ_a of
             conformal contact √(2α K Δγ); or ``"detached"``, zero. They differ where both states are stable.
-        tolerance : float, optional
-            Largest change of σ_a over the stress scale at the end of the iteration.
-        max_iterations : int, optional
-            Largest number of diffusions. An iteration whose change stops falling ends earlier.
+        tolerance, max_iterations : optional
+            Largest last change of σ_a over the stress scale, and number of diffusions; fewer where it stops falling.
         """
         finite("pressure", pressure, "Pa")
         scale = self.stress_scale
@@ -242,19 +226,16 @@ class PerssonTheory:
             return found, 2 * self.alpha * self._stiffness * self.effective_work_of_adhesion(found.contact)
 
         options = replace(self.options.iteration, tolerance=tolerance, max_iterations=max_iterations)
-        contact = PerssonContact(self, pressure, *self._fixed_point(respond, first, pressure > 0, options))
+        # Under compression there is one state, which the acceleration finds unless γ_eff passes through zero. Without
+        # it a detached state exists as well: the damped iteration follows the branch of its start.
+        iterate = self._accelerated if pressure > 0 else self._damped
+        contact = PerssonContact(self, pressure, *iterate(respond, first, options))
         return contact if contact.balanced else replace(contact, converged=False)
 
-    def _fixed_point(
-        self, respond: Response, stress: np.ndarray, one_state: bool, options: IterationOptions
-    ) -> FixedPoint:
-        """The σ_a that the distribution under it asks for, from a first one (Pa).
-
-        Under compression there is one state, which Anderson's acceleration finds unless γ_eff passes through zero.
-        Without it a detached state exists as well: the damped iteration follows the branch of its start.
-        """
+    def _accelerated(self, respond: Response, stress: np.ndarray, options: IterationOptions) -> FixedPoint:
+        """The σ_a that the distribution under it asks for, from a first one (Pa); damped where acceleration fails."""
         root, scale = self._root, self.stress_scale
-        used, spent = stress, 0
+        used = stress
         distribution: StressDistribution
 
         def update(square: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -267,16 +248,15 @@ class PerssonTheory:
             weight = ((square > 0) | (found > 0)).astype(float)
             return found - square, weight, change
 
-        if one_state:
-            # σ_a² is smooth, continued below zero, where σ_a is not.
-            limit = min(options.max_iterations, options.accelerated)
-            start, bounds = (stress / scale) ** 2, (-np.inf, np.inf)
-            _, change, spent = accelerated(update, start, bounds, options.tolerance, limit, 1.0, options.memory)
-            if change <= options.tolerance or spent >= options.max_iterations:
-                return used, distribution, change <= options.tolerance, False, change, spent
-        return self._damped(respond, used, spent, options)
+        # σ_a² is smooth, continued below zero, where σ_a is not.
+        limit = min(options.max_iterations, options.accelerated)
+        start, bounds = (stress / scale) ** 2, (-np.inf, np.inf)
+        _, change, spent = accelerated(update, start, bounds, options.tolerance, limit, 1.0, options.memory)
+        if change <= options.tolerance or spent >= options.max_iterations:
+            return used, distribution, change <= options.tolerance, False, change, spent
+        return self._damped(respond, used, options, spent)
 
-    def _damped(self, respond: Response, stress: np.ndarray, spent: int, options: IterationOptions) -> FixedPoint:
+    def _damped(self, respond: Response, stress: np.ndarray, options: IterationOptions, spent: int = 0) -> FixedPoint:
         """Iterate σ_a with less relaxation at magnifications where the change alternates.
 
         The slope of σ_a has no bound where γ_eff passes through zero: each node needs its own damping.
@@ -314,18 +294,14 @@ class PerssonTheory:
             raise ValueError(f"lowest = {lowest:g} Pa: must lie between 0 and full contact at {highest:g} Pa")
         count = max(8, int(np.ceil(per_decade * np.log10(highest / lowest))))
         contacts: list[PerssonContact] = []
+        start: np.ndarray | str = "adhered"
         for p in np.geomspace(highest, lowest, count + 1):
-            contacts.append(self.at_pressure(float(p), _extrapolated(contacts[-3:]), tolerance, max_iterations))
+            contacts.append(self.at_pressure(float(p), start, tolerance, max_iterations))
+            # γ_eff as a polynomial of ln p through up to three states.
+            shares = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[min(len(contacts), 3)]
+            works = (k * each.effective_work_of_adhesion for k, each in zip(shares, contacts[-3:], strict=True))
+            start = self.detachment_stress(np.asarray(sum(works)))
         return tuple(reversed(contacts))
-
-
-def _extrapolated(contacts: Sequence[PerssonContact]) -> np.ndarray | str:
-    """First σ_a of the next state of a sweep, from up to three before: γ_eff as a polynomial of ln p."""
-    if not contacts:
-        return "adhered"
-    coefficients = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(contacts)]
-    work = sum(k * each.effective_work_of_adhesion for k, each in zip(coefficients, contacts, strict=True))
-    return contacts[-1].theory.detachment_stress(np.asarray(work))
 
 
 def energy_weight(contact: np.ndarray, kind: str, beta: float) -> np.ndarray:

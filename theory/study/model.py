@@ -154,10 +154,9 @@ def _along(
 ) -> Iterator[tuple[dict[str, Any], dict[str, np.ndarray]]]:
     """Values of all theories and the restart state, at each path point from number ``start`` on."""
     names = ["_".join(["detachment_stress", *filter(None, [theories.other])]) for theories in every]
-    states_along = [
-        paths.persson_path(each, restart.get(name, "adhered"), start) for each, name in zip(every, names, strict=True)
-    ]
-    flows = [[*paths.gap_flow_paths(theories), *paths.edge_flow_paths(theories, start)] for theories in every]
+    begun = zip(every, names, strict=True)
+    states_along = [paths.persson_path(each, restart.get(name, "adhered"), start) for each, name in begun]
+    flows = [paths.flow_paths(theories, start) for theories in every]
     for number, states in enumerate(zip(*states_along, strict=True), start):
         values: dict[str, Any] = {}
         kept: dict[str, np.ndarray] = {}
@@ -186,14 +185,14 @@ def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, An
 
 def _quietly(values: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Values of coarse theories without their warnings, which the fine ones repeat where they matter."""
-    while True:
+    found: dict[str, Any] | None = {}
+    while found is not None:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", NotConverged)
-            warnings.simplefilter("ignore", NegativeSeparation)
+            for kind in (NotConverged, NegativeSeparation):
+                warnings.simplefilter("ignore", kind)
             found = next(values, None)
-        if found is None:
-            return
-        yield found
+        if found is not None:
+            yield found
 
 
 def errors(

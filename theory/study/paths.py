@@ -34,29 +34,23 @@ PathValues = Callable[[int], dict[str, Any]]
 
 # A detached block; its mean gap is infinite where the theory defines one.
 _DETACHED: dict[str, Any] = {
-    "mean_pressure": 0.0,
-    "relative_contact_area": 0.0,
-    "elastic_energy": 0.0,
-    "interaction_energy": 0.0,
+    **dict.fromkeys(
+        ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "residual"), 0.0
+    ),
     "converged": True,
     "detached": True,
-    "residual": 0.0,
 }
 
 
-def gap_flow_paths(theories: CaseTheories) -> list[PathValues]:
-    """Values in each branch; none outside a wall, which no flow goes through."""
+def flow_paths(theories: CaseTheories, start: int = 0) -> list[PathValues]:
+    """Values of the flows at the points from number ``start`` on; none outside a wall, which no flow goes through."""
     with theories.naming_the_spectrum():
         flows = theories.gap_flows
     both = zip(flows, theories.gap_flow_states, strict=True)
-    return [partial(_gap_flow_values, theories.case, flow, begun) for flow, begun in both]
-
-
-def edge_flow_paths(theories: CaseTheories, start: int = 0) -> list[PathValues]:
-    """Values at the points from number ``start`` on, in a list of one; none outside a wall."""
+    found: list[PathValues] = [partial(_gap_flow_values, theories.case, flow, begun) for flow, begun in both]
     flow = theories.edge_flow
     with theories.naming_the_spectrum():
-        return [] if flow is None else [_edge_flow_values(theories.case, flow, theories.ahead, start)]
+        return found if flow is None else [*found, _edge_flow_values(theories.case, flow, theories.ahead, start)]
 
 
 def flow_name(branch: str, quantity: str) -> str:
@@ -76,14 +70,8 @@ def _undefined(edges: np.ndarray) -> np.ndarray:
 
 def _unknown(names: tuple[str, ...], gap: float, message: str) -> dict[str, Any]:
     """Values of a state that a theory does not have or find: NaN, of some further names too, and flagged."""
-    common = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "stress_balance")
-    return dict.fromkeys((*common, "residual", *names), float("nan")) | {
-        "pressure_pdf": _undefined,
-        "mean_gap": gap,
-        "converged": False,
-        "detached": False,
-        "message": message,
-    }
+    flags = {"mean_gap": gap, "converged": False, "detached": False, "message": message}
+    return dict.fromkeys((*_DETACHED, "stress_balance", *names), np.nan) | {"pressure_pdf": _undefined} | flags
 
 
 def _gap_flow_values(case: Case, flow: GapFlow, begun: BackgroundTask, number: int) -> dict[str, Any]:
@@ -162,8 +150,8 @@ def persson_path(
     for number in range(start, len(case.path)):
         if np.isnan(pressures[number]):
             message = "the theory has no pressure for this mean gap"
-            values = _unknown(("contact_stress", "edge_stress"), case.path[number][0], message)
-            values |= {name: np.full(_STORED_WAVEVECTORS, np.nan) for name in _RESOLVED} | {"iterations": 0}
+            values = _unknown(("contact_stress", "edge_stress"), case.path[number][0], message) | {"iterations": 0}
+            values |= dict.fromkeys(_RESOLVED, np.full(_STORED_WAVEVECTORS, np.nan))
             if asked:
                 values["pressure_pdf_at"] = lambda edges: np.tile(_undefined(edges), (asked, 1))
         else:
@@ -193,10 +181,9 @@ def _first(curve: SeparationCurve, pressure: float, before: float, stress: np.nd
 def _separation(theories: CaseTheories) -> SeparationCurve:
     """The separation curve down to the lowest pressure, or out to the largest gap, of the path."""
     case, theory = theories.case, theories.persson
-
-    def sweep(lowest: float) -> SeparationCurve:
-        return separation_curve(theory, lowest, 12, *theories.effort)
-
+    sweep = partial(
+        separation_curve, theory, per_decade=12, tolerance=theories.effort[0], max_iterations=theories.effort[1]
+    )
     if case.loading.control == "pressure":
         # Under tension alone there is no separation: the curve stays short.
         return sweep(min([p for p, _ in case.path if p > 0] + [theory.stress_scale]))
@@ -240,11 +227,10 @@ def stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
 
 
 def _persson_values(contact: PerssonContact) -> dict[str, Any]:
-    theory = contact.theory
     if contact.detached:
         return (
             _DETACHED
-            | {name: np.zeros(_STORED_WAVEVECTORS) for name in _RESOLVED}
+            | dict.fromkeys(_RESOLVED, np.zeros(_STORED_WAVEVECTORS))
             | {
                 "contact_stress": 0.0,
                 "edge_stress": 0.0,
@@ -254,7 +240,7 @@ def _persson_values(contact: PerssonContact) -> dict[str, Any]:
                 "iterations": contact.iterations,
             }
         )
-    stored, nodes = np.log(stored_wavevectors(theory)), np.log(theory.wavevectors)
+    stored, nodes = np.log(stored_wavevectors(contact.theory)), np.log(contact.theory.wavevectors)
     message = ""
     if contact.pressure <= 0:
         message = "the theory's mean gap diverges at zero pressure and is not defined under tension"
