@@ -37,8 +37,7 @@ from scripts.harness import Option, head, minus, row, tabulated
 from theory import EdgeFlow, edge_flow
 from theory.edge_flow.equilibrium import KERNEL, Equilibrium, Problem
 from theory.edge_flow.kernels import differences
-from theory.gap_flow.state import GapNodes
-from theory.gap_flow.state import GapState
+from theory.gap_flow.state import GapNodes, GapState
 from theory.numerics.fixed_point import accelerated
 
 RATIOS = (1.0, 4.0, 8.0)

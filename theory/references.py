@@ -36,8 +36,8 @@ __all__ = [
 
 def hertz_contact_radius(force: Number, radius: Number, contact_modulus: Number) -> Number:
     """a = (3FR/4E*)^(1/3) (m), F >= 0. H. Hertz, J. reine angew. Math. 92, 156 (1882)."""
-    _check("force", force, least=0.0)
-    _positive(radius=radius, contact_modulus=contact_modulus)
+    _check(0.0, force=force)
+    _check(radius=radius, contact_modulus=contact_modulus)
     return np.cbrt(3 * np.asarray(force) * radius / (4 * np.asarray(contact_modulus)))
 
 
@@ -62,16 +62,17 @@ def jkr_contact_radius(force: Number, radius: Number, contact_modulus: Number, w
     K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301–313 (1971). Tabor parameter above about 3; the
     force F is no lower than the pull-off.
     """
-    _positive(radius=radius, contact_modulus=contact_modulus)
-    wpr = 3 * np.pi * np.asarray(_check("work_of_adhesion", work_of_adhesion, least=0.0)) * radius
-    _check("force", force, least=-0.5 * wpr)
+    _check(radius=radius, contact_modulus=contact_modulus)
+    _check(0.0, work_of_adhesion=work_of_adhesion)
+    wpr = 3 * np.pi * np.asarray(work_of_adhesion) * radius
+    _check(-0.5 * wpr, force=force)
     cube = 3 * radius / (4 * np.asarray(contact_modulus)) * (force + wpr + np.sqrt(2 * wpr * force + wpr**2))
     return np.cbrt(cube)
 
 
 def jkr_approach(contact_radius: Number, radius: Number, contact_modulus: Number, work_of_adhesion: Number) -> Number:
     """δ = a²/R − √(2πwa/E*) (m), at the contact radius a (m); others and source as :func:`jkr_contact_radius`."""
-    _positive(radius=radius, contact_modulus=contact_modulus)
+    _check(radius=radius, contact_modulus=contact_modulus)
     crack = np.sqrt(2 * np.pi * np.asarray(work_of_adhesion) * contact_radius / contact_modulus)
     return np.asarray(contact_radius) ** 2 / radius - crack
 
@@ -96,7 +97,7 @@ def dmt_pull_off_force(radius: Number, work_of_adhesion: Number) -> Number:
 
 def tabor_parameter(radius: Number, contact_modulus: Number, work_of_adhesion: Number, length: Number) -> Number:
     """μ = (Rw²/E*²z₀³)^(1/3), z₀ the equilibrium distance (m). D. Tabor, J. Colloid Interface Sci. 58, 2–13 (1977)."""
-    _positive(radius=radius, contact_modulus=contact_modulus, length=length)
+    _check(radius=radius, contact_modulus=contact_modulus, length=length)
     return np.cbrt(radius * np.asarray(work_of_adhesion) ** 2 / (np.asarray(contact_modulus) ** 2 * length**3))
 
 
@@ -107,7 +108,7 @@ def maugis_parameter(
 
     With the peak of a 9-3 law for the constant tension σ₀ (Pa) this is 1.1570 μ, with that of the 10-4 law 2.125 μ.
     """
-    _positive(radius=radius, contact_modulus=contact_modulus, work_of_adhesion=work_of_adhesion)
+    _check(radius=radius, contact_modulus=contact_modulus, work_of_adhesion=work_of_adhesion)
     scale = np.cbrt(9 * radius / (16 * np.pi * np.asarray(work_of_adhesion) * np.asarray(contact_modulus) ** 2))
     return 2 * peak_tensile_stress * scale
 
@@ -118,7 +119,7 @@ def maugis_dugdale_contact(maugis_parameter: float, zone: Number) -> tuple[np.nd
     λ > 0 is that of :func:`maugis_parameter`, also for the source; the zone is m − 1 > 0 with m = c/a, its outer over
     its inner radius.
     """
-    _positive(maugis_parameter=maugis_parameter, zone=zone)
+    _check(maugis_parameter=maugis_parameter, zone=zone)
     m = 1 + np.asarray(zone)
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
     quadratic = maugis_parameter / 2 * (root + (m**2 - 2) * angle)
@@ -138,19 +139,13 @@ def maugis_dugdale_pull_off(maugis_parameter: float) -> float:
     return -float(found.fun)
 
 
-def _positive(**numbers: Number) -> None:
+def _check(least: Number | None = None, **numbers: Number) -> None:
+    """Refuse numbers that are not finite, or not positive, or less than something if that is given."""
     for name, value in numbers.items():
-        _check(name, value)
-
-
-def _check(name: str, value: Number, least: Number | None = None) -> Number:
-    """The value, if it is finite, and positive or no less than something."""
-    given = np.asarray(value, dtype=float)
-    sound = given > 0 if least is None else given >= least
-    if not np.all(np.isfinite(given) & sound):
-        bound = "positive" if least is None else f"at least {float(np.min(least)):g}"
-        raise ValueError(f"{name} = {value!r}: must be finite and {bound}")
-    return value
+        given = np.asarray(value, dtype=float)
+        if not np.all(np.isfinite(given) & (given > 0 if least is None else given >= least)):
+            bound = "positive" if least is None else f"at least {float(np.min(least)):g}"
+            raise ValueError(f"{name} = {value!r}: must be finite and {bound}")
 
 
 def wave_full_contact_pressure(amplitude: Number, wavelength: Number, contact_modulus: Number) -> Number:

@@ -11,25 +11,23 @@ from contact_study.physics.laws import LennardJones104
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, radial_spectrum
 from theory.persson.theory import PerssonTheory
 
-ANGSTROM = 1e-10
-
 
 @dataclass(frozen=True)
 class PaperSystem:
-    rms_height: float = 10 * ANGSTROM
+    rms_height: float = 1e-9
     contact_modulus: float = 77.2e9 / (1 - 0.42**2)
-    contact_distance: float = 3.68 * ANGSTROM
+    contact_distance: float = 3.68e-10
 
     @property
     def spectrum(self):
-        q = 2 * np.pi / (1040 * ANGSTROM)
+        q = 2 * np.pi / 1040e-10
         return SelfAffineSpectrum(0.8, self.rms_height, q, 3 * q, 12 * q)
 
     def theory(self, work_of_adhesion, **choices):
         return PerssonTheory(self.spectrum, self.contact_modulus, work_of_adhesion, **choices)
 
     def law(self, well_depth_ratio, work_of_adhesion=0.6924):
-        return LennardJones104(work_of_adhesion * well_depth_ratio, 3.28 * ANGSTROM)
+        return LennardJones104(work_of_adhesion * well_depth_ratio, 3.28e-10)
 
 
 @pytest.fixture(scope="session")

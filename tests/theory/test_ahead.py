@@ -24,14 +24,11 @@ def test_work_is_done_once_by_whoever_comes_first_and_threads_end_when_nothing_w
     assert threading.active_count() == before
 
 
-def test_other_threads_begin_before_anyone_asks_and_keep_no_process_alive():
+def test_other_threads_begin_before_anyone_asks_and_whoever_waits_does_what_else_is_to_be_done():
     ahead, meeting = BackgroundExecutor(3), threading.Barrier(3, timeout=_LOST)
     pieces = [ahead.begin(lambda: (meeting.wait(), threading.current_thread().daemon)) for _ in range(2)]
     meeting.wait()
     assert [piece.result()[1] for piece in pieces] == [True, True]
-
-
-def test_whoever_waits_does_what_else_is_to_be_done():
     ahead, opened = BackgroundExecutor(2), threading.Event()
     first = ahead.begin(lambda: opened.wait(_LOST))
     second = ahead.begin(lambda: opened.set() or threading.get_ident())
@@ -40,29 +37,23 @@ def test_whoever_waits_does_what_else_is_to_be_done():
 
 
 def test_one_thread_does_work_when_it_is_asked_for():
-    done = []
-    ahead = BackgroundExecutor(1)
+    done, ahead = [], BackgroundExecutor(1)
     pieces = [ahead.begin(lambda number=number: done.append(number)) for number in range(3)]
     assert done == []
     pieces[2].result()
     pieces[0].result()
-    assert done == [2, 0]
-    assert ahead.take() is None  # it keeps nothing that nobody asks for
+    assert (done, ahead.take()) == ([2, 0], None)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_an_error_is_raised_where_the_result_is_asked_for(threads):
-    ahead = BackgroundExecutor(threads)
-    piece = ahead.begin(lambda: 1 / 0)
+    piece = BackgroundExecutor(threads).begin(lambda: 1 / 0)
     for _ in range(2):
         with pytest.raises(ZeroDivisionError):
             piece.result()
-    assert ahead.begin(lambda: 7).result() == 7
 
 
-def test_an_interrupt_ends_the_one_that_waits():
-    """Of another's work that it does meanwhile, too: it is nobody's result."""
-
+def test_an_interrupt_in_work_done_meanwhile_ends_the_one_that_waits():
     def interrupted():
         raise KeyboardInterrupt
 

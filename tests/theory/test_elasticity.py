@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from contact_study.physics.solids import HalfSpace, Layer
+from contact_study.physics.solids import Layer
 from contact_study.physics.solids.base import Elasticity
 from theory.gap_flow.flow import gap_flow
 from theory.non_adhesive import closed_forms
@@ -24,12 +24,8 @@ class Springs(Elasticity):
 
 
 def exact_springs(base, spring, rms_height, law):
-    """Mean gap and pressure of springs on Gaussian heights, each in its lowest state, at a position of their base.
-
-    The gap d above a height h minimises ½K(d − base + h)² + φ(d), whatever its neighbours do.
-    """
-    # Of the Gaussian 1e-15 is beyond, and the trapezoidal rule knows no other error.
-    heights = np.linspace(-8, 8, 10001)
+    """Mean gap and pressure of springs on Gaussian heights: each gap d minimises ½K(d − base + h)² + φ(d)."""
+    heights = np.linspace(-8, 8, 10001)  # 1e-15 of the Gaussian is beyond
     weights = np.exp(-0.5 * heights**2)
     weights /= weights.sum()
     reach = base - rms_height * heights
@@ -42,8 +38,6 @@ def exact_springs(base, spring, rms_height, law):
 
 
 def test_gap_flow_is_exact_on_springs(paper):
-    """Springs of one stiffness, below the law's softening: waves of any length, added in any order, do not
-    know of each other, and the flow of the energy is that of heat in the position of the base."""
     law = paper.law(1)
     solid = Springs(paper.contact_modulus, law.strongest_softening / 3.0)
     flow = gap_flow(paper.spectrum, solid, law)
@@ -53,23 +47,8 @@ def test_gap_flow_is_exact_on_springs(paper):
         assert flow.pressure_at(gap) == pytest.approx(pressure, abs=2e-3 * law.peak_tensile_stress)
 
 
-def test_thick_layers_and_thin_ones(paper):
-    """A layer much thicker than the longest wave is a half-space, a thinner one stiffer: less contact, more gap."""
-    spectrum, law = paper.spectrum, paper.law(1)
-    solids = [Layer(paper.contact_modulus, 0.42, d / spectrum.low) for d in (40.0, 0.1)]
-    half_space = HalfSpace(paper.contact_modulus)
-    theories = [PerssonTheory(spectrum, solid, 0.69) for solid in (half_space, *solids)]
-    areas = [theory.at_pressure(1e9).relative_contact_area for theory in theories]
-    assert areas[1] == pytest.approx(areas[0], rel=1e-9)
-    assert areas[0] > areas[2]
-    gaps = [gap_flow(spectrum, solid, law).gap_at(1e9) for solid in (half_space, *solids)]
-    assert gaps[1] == pytest.approx(gaps[0], rel=1e-9)
-    assert gaps[0] < gaps[2]
-
-
 def test_mean_gap_without_adhesion_is_the_work_of_the_pressure(paper):
-    """Closed form against the sweep of the energy, on a solid whose K is no power of q."""
-    solid = Layer(paper.contact_modulus, 0.5, 0.7 / paper.spectrum.low)
+    solid = Layer(paper.contact_modulus, 0.5, 0.7 / paper.spectrum.low)  # its K is no power of q
     theory = PerssonTheory(paper.spectrum, solid, 0.0)
     pressures = np.array([0.05, 0.3]) * theory.stress_scale
     curve = separation_curve(theory, pressures[0])

@@ -99,8 +99,7 @@ def test_gaps_of_coexistence_are_left_out_and_nothing_more(paper):
     # No gap lies between the two states that coexist: contact below 3.8 Å and the wide gap that attraction leaves.
     assert above > 6.5e-10
     assert not np.any(state.weights[(gaps > 4e-10) & (gaps < above)])
-    # Above it P(u) varies as slowly as the roughness, by 17 % in 1.4 Å. A finest step as long as the others would put
-    # the area of several nodes on the first and leave a third of it on those beside.
+    # Above it P(u) varies as slowly as the roughness, by 17 % in 1.4 Å.
     density = state.gap_density(above + 0.1e-10 * np.arange(15))
     assert density == pytest.approx(np.full(14, density[-1]), rel=0.25)
 
@@ -108,26 +107,17 @@ def test_gaps_of_coexistence_are_left_out_and_nothing_more(paper):
 def test_densities_integrate_to_their_means(paper):
     flow = flow_of(paper, 4)
     state = states_at(flow, [1.0])[0]
-    gap_edges = np.linspace(0, 8e-9, 4001)
-    gap_density = state.gap_density(gap_edges) * np.diff(gap_edges)
-    assert gap_density.sum() == pytest.approx(1, abs=1e-4)
-    assert gap_density @ (0.5 * (gap_edges[1:] + gap_edges[:-1])) == pytest.approx(state.mean_gap, rel=2e-3)
-    pressure_edges = np.linspace(-20e9, 120e9, 7001)
-    density = state.pressure_density(pressure_edges) * np.diff(pressure_edges)
-    assert density.sum() == pytest.approx(1, abs=1e-4)
-    # The mean is a small difference of tension and repulsion of some 5 GPa each: 1 % of those.
-    mean = density @ (0.5 * (pressure_edges[1:] + pressure_edges[:-1]))
-    assert mean == pytest.approx(state.pressure, abs=0.05e9)
-    # The law's zero is its equilibrium distance, which is the unit of length here.
+    gaps, stresses = np.linspace(0, 8e-9, 4001), np.linspace(-20e9, 120e9, 7001)
+    masses = state.pressure_density(stresses) * np.diff(stresses)
+    assert np.all(masses[stresses[1:] < -flow.law.peak_tensile_stress * flow.contact_modulus] == 0)
+    # The mean stress is a small difference of tension and repulsion of some 5 GPa each: 1 % of those.
+    for edges, shares, mean in (
+        (gaps, state.gap_density(gaps) * np.diff(gaps), pytest.approx(state.mean_gap, rel=2e-3)),
+        (stresses, masses, pytest.approx(state.pressure, abs=0.05e9)),
+    ):
+        assert shares.sum() == pytest.approx(1, abs=1e-4)
+        assert shares @ (0.5 * (edges[1:] + edges[:-1])) == mean
     assert state.relative_repulsive_area == state.fraction_below(3.28e-10)
-    assert np.all(density[pressure_edges[1:] < -flow.law.peak_tensile_stress * flow.contact_modulus] == 0)
-
-
-def test_convergence_is_that_of_every_step(paper):
-    short = flow_of(paper, 8, iterations=3)
-    assert not short.converged
-    # The first step starts from a guess, the later ones each from the one before.
-    assert 0 < short.unconverged_steps <= flow_of(paper, 8, iterations=1).unconverged_steps <= short.steps
 
 
 @dataclass(frozen=True)

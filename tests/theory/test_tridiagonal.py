@@ -23,17 +23,6 @@ def test_a_matrix_and_its_transpose_are_solved(rows):
         np.testing.assert_allclose(values, np.linalg.solve(dense, aim), rtol=1e-12, atol=1e-14)
 
 
-def test_differences_are_exact_for_parabolas():
-    x = np.sinh(np.linspace(-1, 2, 9))
-    before, behind, left, right, cell = differences(x)
-    u = 3 * x**2 - x
-    rise, fall = np.zeros(9), np.zeros(9)
-    rise[:-1], fall[1:] = np.diff(u), np.diff(u)
-    np.testing.assert_allclose((behind * rise - before * fall)[1:-1], 3.0, rtol=1e-12)
-    np.testing.assert_allclose((left * fall + right * rise)[1:-1], (6 * x - 1)[1:-1], rtol=1e-11)
-    assert cell[1:-1].sum() == pytest.approx((x[-1] + x[-2] - x[1] - x[0]) / 2)
-
-
 @pytest.mark.parametrize(("nodes", "kernel"), [(8, KERNEL), (31, (0.1, 0.6, 2.5))])
 def test_the_response_solves_its_two_coupled_equations(nodes, kernel):
     random = np.random.default_rng(nodes)

@@ -176,13 +176,13 @@ class Problem:
         options = self.options
         weaker = replace(self, traction=options.weakest * self.traction)
         states, strength, growth = [weaker.solve(gap, weaker.local())], options.weakest, options.growth
+        bounds, reach = np.log([options.least, options.largest]), options.extrapolation
         while strength < 1 and growth > options.least_growth and states[-1].change <= self.tolerance:
             stronger = min(growth * strength, 1.0)
             start = states[-1].response
             if len(states) > 1:
-                further = states[-1].logarithm - states[-2].logarithm
-                further = states[-1].logarithm + np.clip(further, -options.extrapolation, options.extrapolation)
-                start = np.exp(np.clip(further, np.log(options.least), np.log(options.largest)))
+                last, before = states[-1].logarithm, states[-2].logarithm
+                start = np.exp(np.clip(last + np.clip(last - before, -reach, reach), *bounds))
             state = replace(self, traction=stronger * self.traction).solve(gap, start)
             if state.change <= self.tolerance:
                 states, strength = [states[-1], state], stronger
@@ -235,17 +235,15 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
     that are not converged if it is the only one. Under strong adhesion it ends early: if ``thorough``, nearer states
     are reached by adhesion that grows at one mean gap, and those of next to whole contact from contact outward.
     """
+    x, options = problem.gaps, problem.options
+    pieces: list[Piece] = []
 
     def passed(state: Equilibrium) -> bool:
         return bool(state.gap <= near and -(state.weights @ problem.traction) >= highest)
 
-    x, options = problem.gaps, problem.options
-    pieces: list[Piece] = []
-
-    def keep(states: list[Equilibrium]) -> bool:
+    def keep(states: list[Equilibrium]) -> None:
         if len(states) >= options.fewest:
             pieces.append(tuple(states))
-        return len(states) >= options.fewest
 
     first = min(int(np.searchsorted(x, far)), x.size - 2)
     approached, ended = _follow(problem, problem.solve(float(x[first]), problem.local()), -1, passed, options.lost)
@@ -267,7 +265,8 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
         both = [*reversed(_sound(problem, farther)[1:]), *_sound(problem, nearer)]
         both = [state for state in both if state.gap < above]
         lost += ended * options.lost
-        if keep(both):
+        keep(both)
+        if len(both) >= options.fewest:
             last = both[-1].gap
         if not ended:
             break
@@ -295,29 +294,20 @@ def _follow(
     """
     x, options = problem.gaps, problem.options
     node = int(np.argmin(np.abs(x - start.gap)))
-    found = [start]
-    sound = found.copy()
+    found, sound = [start], [start]
     beyond = lost = 0
-
-    def solved_at(gap: float) -> Equilibrium:
-        return problem.solve(gap, problem.between(sound, gap))
-
     while beyond < 2 and lost < patience and 1 < node + (way > 0) < x.size - 1:
-        before = node
-        aim = int(np.searchsorted(x, x[0] + options.gap_ratio**-way * (x[before] - x[0])))
-        node = before + way * max(way * (aim - before), 1)
-        node = min(max(node, 1), x.size - 2)
-        state = solved_at(float(x[node]))
-        for _ in range(options.halvings):
-            if state.change <= problem.tolerance or abs(node - before) == 1:
+        aim = int(np.searchsorted(x, x[0] + options.gap_ratio**-way * (x[node] - x[0])))
+        step = abs(min(max(node + way * max(way * (aim - node), 1), 1), x.size - 2) - node)
+        for halved in range(options.halvings + 1):
+            gap = float(x[node + way * step])
+            state = problem.solve(gap, problem.between(sound, gap))
+            if state.change <= problem.tolerance or step == 1 or halved == options.halvings:
                 break
-            node = before + way * (abs(node - before) // 2)
-            state = solved_at(float(x[node]))
+            step //= 2
+        node += way * step
         found.append(state)
-        if state.change <= problem.tolerance:
-            sound = [sound[-1], state]
-            lost = 0
-        else:
-            lost += 1
+        converged = state.change <= problem.tolerance
+        sound, lost = ([sound[-1], state], 0) if converged else (sound, lost + 1)
         beyond += passed(state)
     return found, lost >= patience

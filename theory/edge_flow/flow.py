@@ -73,14 +73,14 @@ class EdgeFlow(PressureCurve):
         return tuple(state for piece in self.pieces for state in piece)
 
     @property
-    def converged(self) -> bool:
-        """Whether every state of the curve met the tolerance."""
-        return self.unconverged_states == 0
-
-    @property
     def unconverged_states(self) -> int:
         """Mean gaps whose state did not meet the tolerance, lost ones too."""
         return self.lost + sum(not self._solved(found) for found in self.equilibria)
+
+    @property
+    def converged(self) -> bool:
+        """Whether every state of the curve met the tolerance."""
+        return self.unconverged_states == 0
 
     @property
     def sweeps(self) -> int:
@@ -88,50 +88,40 @@ class EdgeFlow(PressureCurve):
         return sum(found.sweeps for found in self.equilibria)
 
     @cached_property
-    def _rising(self) -> tuple[Piece, ...]:
-        """The states of each piece of the curve, mean gaps rising, from contact on."""
-        return tuple(piece[::-1] for piece in reversed(self.pieces))
-
-    @cached_property
-    def _places(self) -> tuple[np.ndarray, ...]:
-        """Mean gaps, in the units of the flow, at which each piece has its pressures."""
-        pieces = np.arange(_POINTS) / _POINTS
-        ends = [np.array([found.gap for found in piece]) for piece in self._rising]
-        return tuple(np.append((each[:-1, None] + np.diff(each)[:, None] * pieces).ravel(), each[-1]) for each in ends)
+    def _curves(self) -> list[tuple[Piece, np.ndarray, BSpline]]:
+        """The states of each piece from contact on, mean gaps at which it has pressures, and E over the mean gap."""
+        potential = self.law.potential(self._problem.gaps)
+        found = []
+        for piece in reversed(self.pieces):
+            rising = piece[::-1]
+            gaps = np.array([state.gap for state in rising])
+            places = (gaps[:-1, None] + np.diff(gaps)[:, None] * (np.arange(_POINTS) / _POINTS)).ravel()
+            energies = [float(state.weights @ potential) + state.elastic for state in rising]
+            order = _ORDER if len(rising) >= _MANY else min(3, len(rising) - 1)  # of few states a high order swings
+            found.append((rising, np.append(places, gaps[-1]), make_interp_spline(gaps, energies, k=order)))
+        return found
 
     @cached_property
     def mean_gap(self) -> np.ndarray:
         """Rising mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n,) (m)."""
-        return np.concatenate(self._places) * self.length
+        return np.concatenate([places for _, places, _ in self._curves]) * self.length
 
     @cached_property
     def pressure(self) -> np.ndarray:
         """p = −dE/dū, shape (n,) (Pa)."""
-        slopes = [energy(places, 1) for energy, places in zip(self._energies, self._places, strict=True)]
-        return -np.concatenate(slopes) * self.contact_modulus
-
-    @cached_property
-    def _energies(self) -> tuple[BSpline, ...]:
-        """E of each piece over the mean gap, in the units of the flow."""
-        potential = self.law.potential(self._problem.gaps)
-        found = []
-        for rising in self._rising:
-            energies = [float(state.weights @ potential) + state.elastic for state in rising]
-            order = _ORDER if len(rising) >= _MANY else min(3, len(rising) - 1)  # of few states a high order swings
-            found.append(make_interp_spline([state.gap for state in rising], energies, k=order))
-        return tuple(found)
+        return -np.concatenate([energy(places, 1) for _, places, energy in self._curves]) * self.contact_modulus
 
     @property
     def pull_off_pressure(self) -> float:
         """Lowest pressure of the curve, the end of adhesion (Pa); NaN where that is at the end of a piece."""
         lowest = int(np.argmin(self.pressure))
-        ends = np.cumsum([len(places) for places in self._places])
+        ends = np.cumsum([len(places) for _, places, _ in self._curves])
         return float("nan") if lowest == 0 or lowest in ends or lowest in ends - 1 else float(self.pressure[lowest])
 
     def pressure_at(self, mean_gap: float) -> float:
         """Pressure at a mean gap within the curve (Pa); NaN between its pieces."""
         gap = mean_gap / self.length
-        for energy, places in zip(self._energies, self._places, strict=True):
+        for _, places, energy in self._curves:
             if places[0] <= gap <= places[-1]:
                 return -float(energy(gap, 1)) * self.contact_modulus
         return float("nan")
@@ -142,8 +132,7 @@ class EdgeFlow(PressureCurve):
 
     def _state(self, mean_gap: float) -> GapState:
         gap = float(np.clip(mean_gap / self.length, self.equilibria[-1].gap, self.equilibria[0].gap))
-        piece = next(piece for piece in self._rising if gap <= piece[-1].gap)  # between pieces the farther one
-        falling = piece[::-1]
+        falling = next(piece for piece, *_ in self._curves if gap <= piece[-1].gap)[::-1]  # between two the farther one
         gaps = np.array([found.gap for found in falling])
         after = int(np.clip(np.searchsorted(-gaps, -gap), 1, gaps.size - 1))
         first = int(np.clip(after - _NEIGHBOURS // 2, 0, max(gaps.size - _NEIGHBOURS, 0)))

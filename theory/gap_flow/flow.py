@@ -71,6 +71,11 @@ class GapFlow(PressureCurve):
     _hull: np.ndarray
 
     @property
+    def name(self) -> str:
+        """Theory, and its metastable branch if it is one: the group of its states in a dataset."""
+        return "gap_flow" if self.branch == "equilibrium" else f"gap_flow/{self.branch}"
+
+    @property
     def steps(self) -> int:
         """Steps in which the roughness was added."""
         return self._steps.size
@@ -109,7 +114,7 @@ class GapFlow(PressureCurve):
         shares = np.ascontiguousarray(weights.T)
         return [
             GapState(
-                ("gap_flow",) if self.branch == "equilibrium" else ("gap_flow", self.branch),
+                tuple(self.name.split("/")),
                 self._nodes,
                 self.length,
                 self.contact_modulus,

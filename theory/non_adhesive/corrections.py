@@ -120,10 +120,7 @@ class NonAdhesiveContact:
 
     Examples
     --------
-    >>> from theory import NonAdhesiveTheory, SelfAffineSpectrum
-    >>> contact = NonAdhesiveTheory(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9).at_pressure(1e9)
-    >>> bool(contact.mean_gap > 0 and contact.stiffness > 0)
-    True
+    ``NonAdhesiveTheory(...).at_pressure(p)`` returns one, see :class:`theory.NonAdhesiveTheory`.
     """
 
     theory: NonAdhesiveTheory

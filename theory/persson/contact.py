@@ -36,11 +36,7 @@ class PerssonContact:
 
     Examples
     --------
-    >>> from theory import PerssonTheory, SelfAffineSpectrum
-    >>> theory = PerssonTheory(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9, 0.1)
-    >>> contact = theory.at_pressure(1e9)
-    >>> round(contact.stress_balance, 6), bool(contact.contact_stress > 1e9 > contact.edge_stress)
-    (1.0, True)
+    ``PerssonTheory(...).at_pressure(p)`` returns one, see :class:`theory.PerssonTheory`.
     """
 
     theory: "PerssonTheory"

@@ -67,10 +67,6 @@ class CaseTheories:
         asked = self.case.solver.tolerance * self.persson.solid.contact_modulus / self.persson.stress_scale
         return float(np.clip(asked, _FINEST_TOLERANCE, TOLERANCE)), self.case.solver.max_iterations
 
-    def begin(self) -> None:
-        """Start the flows in other threads, the longest first."""
-        self._edge_flow_begun, self.gap_flow_states  # noqa: B018
-
     @cached_property
     def gap_flows(self) -> tuple[GapFlow, ...]:
         """The gap flow in each branch; none for laws with a hard wall, and where the study asks for none."""
@@ -163,8 +159,8 @@ def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:
             for number, kind in enumerate(case.spectra)
         )
         _kept[:] = case, surface, every
-        for theories in every:
-            theories.begin()
+        for theories in every:  # the flows in other threads, the longest first
+            theories._edge_flow_begun, theories.gap_flow_states  # noqa: B018
     return _kept[2]
 
 

@@ -93,9 +93,9 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     """Constants of the case: pull-off pressures, criteria of stickiness, scales of the surface."""
     every, law = case_theories(case, surface), case.law
     theories = every[0]
-    theory, spectrum, (tolerance, max_iterations) = theories.persson, theories.spectrum, theories.effort
+    theory, spectrum = theories.persson, theories.spectrum
     with theories.naming_the_spectrum():
-        defect = energy_defect(theory, tolerance, max_iterations)
+        defect = energy_defect(theory, *theories.effort)
     values: dict[str, Value] = {
         "contact_modulus": theory.solid.contact_modulus,
         "work_of_adhesion": law.work_of_adhesion,
@@ -115,13 +115,13 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
             paths.stored_wavevectors(theory), spectrum, case.solid, law.work_of_adhesion, range_of(law)
         )
     for theories in every:
-        tolerance, max_iterations = theories.effort
         with theories.naming_the_spectrum():
-            pull = pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=max_iterations)
+            values[theories.named("persson/pull_off_pressure")] = pull_off_pressure(
+                theories.persson, 1e-3, *theories.effort
+            )
             flows = theories.gap_flows
-        values[theories.named("persson/pull_off_pressure")] = pull
         for flow in flows:
-            values[theories.named(paths.flow_name(flow.branch, "pull_off_pressure"))] = flow.pull_off_pressure
+            values[theories.named(f"{flow.name}/pull_off_pressure")] = flow.pull_off_pressure
         if theories.edge_flow is not None:
             values[theories.named("edge_flow/pull_off_pressure")] = theories.edge_flow.pull_off_pressure
     return values

@@ -32,6 +32,12 @@ _SAME_BRANCH, _LOWEST_PRESSURE = 1e-2, 1e-9
 # Values at the path point of a number; a mistake of input is raised at the first.
 PathValues = Callable[[int], dict[str, Any]]
 
+
+def _nowhere(edges: np.ndarray) -> np.ndarray:
+    """Distribution of what is nowhere within any bins."""
+    return np.zeros(edges.size - 1)
+
+
 # A detached block; its mean gap is infinite where the theory defines one.
 _DETACHED: dict[str, Any] = {
     **dict.fromkeys(
@@ -39,6 +45,8 @@ _DETACHED: dict[str, Any] = {
     ),
     "converged": True,
     "detached": True,
+    "stress_balance": np.nan,
+    "pressure_pdf": _nowhere,
 }
 
 
@@ -53,16 +61,6 @@ def flow_paths(theories: CaseTheories, start: int = 0) -> list[PathValues]:
         return found if flow is None else [*found, _edge_flow_values(theories.case, flow, theories.ahead, start)]
 
 
-def flow_name(branch: str, quantity: str) -> str:
-    """The name of a quantity of the gap flow."""
-    return f"gap_flow/{quantity}" if branch == "equilibrium" else f"gap_flow/{branch}/{quantity}"
-
-
-def _nowhere(edges: np.ndarray) -> np.ndarray:
-    """Distribution of what is nowhere within any bins."""
-    return np.zeros(edges.size - 1)
-
-
 def _undefined(edges: np.ndarray) -> np.ndarray:
     """Distribution that is not known in any bin."""
     return np.full(edges.size - 1, np.nan)
@@ -71,13 +69,13 @@ def _undefined(edges: np.ndarray) -> np.ndarray:
 def _unknown(names: tuple[str, ...], gap: float, message: str) -> dict[str, Any]:
     """Values of a state that a theory does not have or find: NaN, of some further names too, and flagged."""
     flags = {"mean_gap": gap, "converged": False, "detached": False, "message": message}
-    return dict.fromkeys((*_DETACHED, "stress_balance", *names), np.nan) | {"pressure_pdf": _undefined} | flags
+    return dict.fromkeys((*_DETACHED, *names), np.nan) | {"pressure_pdf": _undefined} | flags
 
 
 def _gap_flow_values(case: Case, flow: GapFlow, begun: BackgroundTask, number: int) -> dict[str, Any]:
     state = begun.result()[number]
     values = _come_off(flow.converged) if state is None else state.quantities(case.contact_distance)
-    return {flow_name(flow.branch, key): value for key, value in values.items()}
+    return {f"{flow.name}/{key}": value for key, value in values.items()}
 
 
 def _edge_flow_values(case: Case, flow: EdgeFlow, ahead: BackgroundExecutor, start: int) -> PathValues:
@@ -123,12 +121,10 @@ def _edge_flow_gap(case: Case, flow: EdgeFlow, asked: float) -> float | None:
 def _come_off(converged: bool) -> dict[str, Any]:
     """Quantities where a curve has no state; one that is not solved does not tell where it ends either."""
     return _DETACHED | {
-        "mean_gap": float("inf"),
+        "mean_gap": np.inf,
         "converged": converged,
         "relative_repulsive_area": 0.0,
         "local_mean_pressure": 0.0,
-        "stress_balance": float("nan"),
-        "pressure_pdf": _nowhere,
         "gap_pdf": _nowhere,
     }
 
@@ -181,9 +177,8 @@ def _first(curve: SeparationCurve, pressure: float, before: float, stress: np.nd
 def _separation(theories: CaseTheories) -> SeparationCurve:
     """The separation curve down to the lowest pressure, or out to the largest gap, of the path."""
     case, theory = theories.case, theories.persson
-    sweep = partial(
-        separation_curve, theory, per_decade=12, tolerance=theories.effort[0], max_iterations=theories.effort[1]
-    )
+    tolerance, most = theories.effort
+    sweep = partial(separation_curve, theory, tolerance=tolerance, max_iterations=most)
     if case.loading.control == "pressure":
         # Under tension alone there is no separation: the curve stays short.
         return sweep(min([p for p, _ in case.path if p > 0] + [theory.stress_scale]))
@@ -195,8 +190,7 @@ def _separation(theories: CaseTheories) -> SeparationCurve:
         return curve
     # At light load the gap grows by the same step with every decade less pressure; one decade in reserve.
     decades = (largest - ends[0]) / growth * np.log10(curve.pressure[1] / curve.pressure[0]) + 1
-    lowest = max(curve.pressure[0] * 10.0 ** (-decades), _LOWEST_PRESSURE * theory.stress_scale)
-    return sweep(lowest)
+    return sweep(max(curve.pressure[0] * 10.0 ** (-decades), _LOWEST_PRESSURE * theory.stress_scale))
 
 
 def _quiet_gap(curve: SeparationCurve, pressure: np.ndarray | float) -> np.ndarray:
@@ -228,18 +222,9 @@ def stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
 
 def _persson_values(contact: PerssonContact) -> dict[str, Any]:
     if contact.detached:
-        return (
-            _DETACHED
-            | dict.fromkeys(_RESOLVED, np.zeros(_STORED_WAVEVECTORS))
-            | {
-                "contact_stress": 0.0,
-                "edge_stress": 0.0,
-                "pressure_pdf": _nowhere,
-                "message": "detached: the adhered branch ends above this pressure",
-                "stress_balance": np.nan,
-                "iterations": contact.iterations,
-            }
-        )
+        own = dict.fromkeys(_RESOLVED, np.zeros(_STORED_WAVEVECTORS)) | {"contact_stress": 0.0, "edge_stress": 0.0}
+        message = "detached: the adhered branch ends above this pressure"
+        return _DETACHED | own | {"message": message, "iterations": contact.iterations}
     stored, nodes = np.log(stored_wavevectors(contact.theory)), np.log(contact.theory.wavevectors)
     message = ""
     if contact.pressure <= 0:
