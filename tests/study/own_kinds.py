@@ -1,7 +1,6 @@
 """What a user writes beside the package: a law, a solid, a surface and an observable of their own, as a plug-in."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -18,12 +17,7 @@ from contact_study.study.schema.surface import CellSection
 
 @dataclass(frozen=True)
 class OwnMorse(TractionLaw):
-    """A potential, a field of its own, words."""
-
-    title: ClassVar[str] = "Morse"
-    words: ClassVar[str] = "Morse's"
-    diverges: ClassVar[bool] = False
-    own_lengths: ClassVar[tuple[str, ...]] = ("width",)
+    title, words, diverges, own_lengths = "Morse", "Morse's", False, ("width",)
 
     width: float
 
@@ -34,15 +28,11 @@ class OwnMorse(TractionLaw):
 
 @dataclass(frozen=True, kw_only=True)
 class OwnInteraction(SmoothInteraction):
-    """Its keys."""
-
     width: float = key(quantity("m", positive=True), "range of my attraction")
 
 
 @dataclass(frozen=True)
 class Ridge(Surface):
-    """One wave along x."""
-
     amplitude: float
 
     def heights(self, shape):
@@ -51,8 +41,6 @@ class Ridge(Surface):
 
 @dataclass(frozen=True, kw_only=True)
 class RidgeSection(CellSection):
-    """Its keys, heights and scales."""
-
     words = "ridges of height {ridge_height}, {size}"
     height_key = "surface.ridge_height"
 
@@ -62,16 +50,13 @@ class RidgeSection(CellSection):
         return Ridge(self.size, self.shape, None, self.ridge_height)
 
     def scales(self, directory):
-        q, variance = 2 * np.pi / self.size[1], self.ridge_height**2 / 2
-        waves = spectrum_of_waves(np.array([q]), np.array([variance]))
-        height = variance**0.5
+        q, height = 2 * np.pi / self.size[1], self.ridge_height / 2**0.5
+        waves = spectrum_of_waves(np.array([q]), np.array([height**2]))
         return SurfaceScales(self.size, self.shape, height, q * height, 2 * self.ridge_height, self.size[1], waves)
 
 
 @dataclass(frozen=True, kw_only=True)
 class StiffSection(ElasticitySection):
-    """A half-space of a multiple of the material's modulus."""
-
     words = "stiffened {stiffening}-fold, "
 
     stiffening: float = key(quantity("1", positive=True), "factor of my modulus", 1.0)

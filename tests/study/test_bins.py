@@ -70,17 +70,15 @@ def test_surfaces_fit_into_the_bins():
     ],
 )
 def test_scales_of_other_surfaces_are_theirs(surface, error):
-    table = changed("surface", size=["104 nm", "52 nm"], **surface)
-    study = make_study(table)
+    study = make_study(changed("surface", size=["104 nm", "52 nm"], **surface))
     (scale,) = study.scales
     heights = realise(study.cases[0]).heights(scale.shape)
     assert scale.rms_height == pytest.approx(heights.std(), rel=error, abs=1e-30)
-    assert scale.peak_to_valley == pytest.approx(
-        np.ptp(heights), abs=0, rel=max(error, 0.01)
-    )  # points beside the crests
-    slope_y, slope_x = np.gradient(heights, *(size / n for size, n in zip(scale.size, scale.shape, strict=True)))
+    # Points beside the crests.
+    assert scale.peak_to_valley == pytest.approx(np.ptp(heights), abs=0, rel=max(error, 0.01))
+    slopes = np.gradient(heights, 104e-9 / scale.shape[0], 52e-9 / scale.shape[1])
     # Differences of second order, one-sided at the rim.
-    assert scale.rms_slope == pytest.approx(np.sqrt(np.mean(slope_y**2 + slope_x**2)), rel=0.05, abs=1e-30)
+    assert scale.rms_slope == pytest.approx(np.sqrt(np.mean(np.square(slopes).sum(0))), rel=0.05, abs=1e-30)
     assert scale.pixel == 104e-9 / scale.shape[0]
 
 

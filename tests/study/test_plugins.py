@@ -7,25 +7,12 @@ from pathlib import Path
 
 import pytest
 
-COMMAND = "import sys; from contact_study import start; sys.exit(start.bem_adhesion())"
 STUDY = """
-[surface]
-kind = "ridge"
-size = ["40 nm", "40 nm"]
-shape = [16, 16]
-ridge_height = "1 nm"
-[material]
-youngs_modulus = "10 GPa"
-poissons_ratio = 0.3
-[elasticity]
-kind = "stiff"
-[interaction]
-law = "own_morse"
-work_of_adhesion = "0.1 J/m^2"
-length = "3.28 angstrom"
-width = "2 angstrom"
-[loading]
-path = ["0.1 GPa"]
+surface = { kind = "ridge", size = "40 nm", shape = [16, 16], ridge_height = "1 nm" }
+material = { youngs_modulus = "10 GPa", poissons_ratio = 0.3 }
+elasticity = { kind = "stiff" }
+interaction = { law = "own_morse", work_of_adhesion = "0.1 J/m^2", length = "3.28 angstrom", width = "2 angstrom" }
+loading = { path = ["0.1 GPa"] }
 [sweep]
 "elasticity.stiffening" = [1, 2]
 "interaction.width" = ["2 angstrom", "3 angstrom"]
@@ -44,16 +31,13 @@ def installed(tmp_path_factory):
     return {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), *sys.path])}
 
 
-def command(environment, *arguments):
-    return subprocess.run([sys.executable, "-c", COMMAND, *arguments], env=environment, capture_output=True, text=True)
-
-
 def test_a_plug_in_that_fails_is_one_line(installed, tmp_path):
     (tmp_path / "own_kinds.py").write_text("1 / 0")
     broken = {**installed, "PYTHONPATH": os.pathsep.join([str(tmp_path), installed["PYTHONPATH"]])}
-    done = command(broken, "keys", "interaction")
-    assert done.returncode == 1
-    assert done.stderr == "bem-adhesion: error: plug-in own (own_kinds) cannot be loaded: division by zero\n"
+    command = [Path(sys.executable).with_name("bem-adhesion"), "keys", "interaction"]
+    done = subprocess.run(command, env=broken, capture_output=True, text=True)
+    said = "bem-adhesion: error: plug-in own (own_kinds) cannot be loaded: division by zero\n"
+    assert (done.returncode, done.stderr) == (1, said)
 
 
 def test_own_kinds_run_on_workers_have_keys_and_keep_their_names(installed):

@@ -53,12 +53,9 @@ def test_everyday_units_are_those_of_pint_to_the_last_bit():
                 assert units.quantity(f"{float(number)!r} {written}", unit, "key") == expected, written
 
 
-def test_an_integer_beyond_any_float_is_one_line():
+def test_numbers_beyond_any_float_are_one_line(tmp_path):
     with pytest.raises(InputError, match=r"^key: a number of 401 digits is far from any size of use; expected"):
         units.quantity(10**400, "Pa", "key")
-
-
-def test_a_study_with_a_longer_number_than_python_reads_is_one_line(tmp_path):
     (tmp_path / "study.toml").write_text(f"[material]\nyoungs_modulus = 1{5000 * '0'}\n")
     with pytest.raises(InputError) as refused:
         read_study(tmp_path / "study.toml")
