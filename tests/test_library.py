@@ -37,21 +37,14 @@ def test_every_solid_and_law_of_a_study_is_at_hand_from_python():
     assert solids | {law.__name__ for law in LAWS.values()} <= set(bem_adhesion.__all__)
 
 
-@pytest.mark.parametrize(
-    "module",
-    [
-        "bem_adhesion.contacts.rough_contact",
-        "contact_study.physics.roughness.spectrum",
-        "md_reference.solution",
-        "bem_adhesion.contacts.viscoelastic",
-        "bem_adhesion.solution",
-        "md_reference.statics.contact",
-        "theory.persson.theory",
-        "theory.gap_flow.flow",
-        "theory.edge_flow.flow",
-        "theory.non_adhesive.corrections",
-    ],
-)
+WITH_EXAMPLES = """
+    bem_adhesion.contacts.rough_contact bem_adhesion.contacts.viscoelastic bem_adhesion.solution
+    contact_study.physics.roughness.spectrum md_reference.solution md_reference.statics.contact
+    theory.persson.theory theory.gap_flow.flow theory.edge_flow.flow theory.non_adhesive.corrections
+"""
+
+
+@pytest.mark.parametrize("module", WITH_EXAMPLES.split())
 def test_examples_of_docstrings(module):
     found = doctest.testmod(importlib.import_module(module))
     assert found.attempted > 0

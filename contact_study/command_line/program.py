@@ -7,9 +7,8 @@ import os
 import shlex
 import sys
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contact_study.command_line.frame import Help, Parser, epilog, guarded, take_keys
 from contact_study.inputs.errors import DONE, WRONG_INPUT, InputError
@@ -42,13 +41,7 @@ _NOTHING = "nothing was written"
 
 
 def main(name: str, arguments: Sequence[str] | None = None, model: "Model | None" = None) -> int:
-    """Run a command by its name, or a model that is none of the three.
-
-    Returns
-    -------
-    int
-        Exit status, see docs/command_line.md.
-    """
+    """Run a command by its name, or a model that is none of the three; returns the exit status."""
     own_process = arguments is None
     typed = sys.argv[1:] if arguments is None else list(arguments)
     if "_ARGCOMPLETE" in os.environ:
@@ -64,7 +57,12 @@ def main(name: str, arguments: Sequence[str] | None = None, model: "Model | None
         if own_process and not asked and "xarray" not in sys.modules:  # which has looked for it by then
             # Keep pint and xarray from importing Dask, half a second.
             sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
-        parser = _parser(module, verb, f"{PROGRAM} {verb}" if name == PROGRAM else name)
+        prog, words = f"{PROGRAM} {verb}" if name == PROGRAM else name, f"{VERBS[verb][0].upper()}{VERBS[verb][1:]}."
+        about = {"prog": prog, "usage": f"{prog} {module.USAGE}", "description": words, "epilog": module.END}
+        parser = Parser(**about, formatter_class=Help, allow_abbrev=False)
+        parser._positionals.title = "arguments"
+        module.add(parser)
+        parser.add_argument("--version", action="version", version=f"{prog} {__version__}", help=argparse.SUPPRESS)
         others, keys = take_keys(others) if hasattr(module, "KEYS") else (others, {})
         _check_options(others, parser)
         try:
@@ -95,21 +93,6 @@ def _in_verbs(name: str, typed: list[str]) -> list[str]:
                 found = [one.partition("=")[2] if one.startswith(f"{flag}=") else one for one in typed if one != flag]
                 return [instead, *found, *(["-o", "-"] if instead == "init" else [])]
     return [*verb, *typed]
-
-
-def _parser(module: Any, verb: str, prog: str) -> Parser:
-    parser = Parser(
-        prog=prog,
-        usage=f"{prog} {module.USAGE}",
-        description=f"{VERBS[verb][0].upper()}{VERBS[verb][1:]}.",
-        epilog=module.END,
-        formatter_class=Help,
-        allow_abbrev=False,
-    )
-    parser._positionals.title = "arguments"
-    module.add(parser)
-    parser.add_argument("--version", action="version", version=f"{prog} {__version__}", help=argparse.SUPPRESS)
-    return parser
 
 
 def _check_options(arguments: Sequence[str], parser: Parser) -> None:
@@ -155,17 +138,13 @@ def _complete(name: str) -> None:
 
 
 def _with_keys(parser: argparse.ArgumentParser, verb: str) -> None:
-    """Add what a verb takes, and the keys of a study as options."""
+    """Add what a verb takes, and the keys of a study as options, with the words that they take."""
     module = importlib.import_module(f"contact_study.command_line.verbs.{verb}")
     module.add(parser)
     if hasattr(module, "KEYS"):
         from contact_study.study.schema.dotted_keys import all_keys
 
-        for section, key, declaration, _ in all_keys():
-            added = parser.add_argument(f"--{section}.{key}", help=declaration.description.replace("%", "%%"))
-            added.completer = partial(_choices, declaration.kind)  # type: ignore[attr-defined]
-
-
-def _choices(kind: str, **_: Any) -> list[str]:
-    """Words that a key takes, for the shell; none for a number or free text."""
-    return kind.removesuffix(", or a list").split(" | ") if " | " in kind else []
+        for section, key, declared, _ in all_keys():
+            added = parser.add_argument(f"--{section}.{key}", help=declared.description.replace("%", "%%"))
+            words = declared.kind.removesuffix(", or a list").split(" | ") if " | " in declared.kind else []
+            added.completer = lambda words=words, **_: words  # type: ignore[attr-defined]

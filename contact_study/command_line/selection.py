@@ -11,8 +11,6 @@ from contact_study.inputs.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-_FIELDS = ("gap", "atom_height")  # where a state is missing or has detached they have no finite value
-
 
 def add_selection(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
@@ -67,13 +65,19 @@ def selected(dataset: "xr.Dataset", cases: Sequence[str], step: int | None) -> "
     return dataset
 
 
-def one_case(dataset: "xr.Dataset") -> "tuple[xr.Dataset, list[str]]":
-    """Return a single case, the last one unless it is chosen, and the choice in words."""
+def one_case(dataset: "xr.Dataset", must_choose: Path | None = None) -> "tuple[xr.Dataset, list[str]]":
+    """Return a single case, the last one unless it is chosen, and the choice in words.
+
+    Raises InputError on the file ``must_choose`` if there are several.
+    """
     chosen = []
     for dim in case_dims(dataset):
+        values, several = _values(dataset[dim]), dataset.sizes[dim] > 1
+        if several and must_choose is not None:
+            raise InputError(f"{must_choose}: holds {dim} {values}; choose by --case {dim}=VALUE")
         place = 0 if dim == "theory" else dataset.sizes[dim] - 1
-        if dataset.sizes[dim] > 1 and dim != "theory":
-            chosen.append(f"{dim}={_values(dataset[dim][place:])} (of {_values(dataset[dim])})")
+        if several and dim != "theory":
+            chosen.append(f"{dim}={_values(dataset[dim][place:])} (of {values})")
         dataset = dataset.isel({dim: place})
     return dataset, chosen
 
@@ -84,19 +88,11 @@ def one_step(dataset: "xr.Dataset") -> "tuple[xr.Dataset, list[str]]":
 
     if "step" not in dataset.dims:
         return dataset, []
-    name = next((name for name in _FIELDS if name in dataset), "mean_pressure")
+    # Fields have no finite value where a state is missing or has detached.
+    name = next((name for name in ("gap", "atom_height") if name in dataset), "mean_pressure")
     steps = range(dataset.sizes["step"] - 1, -1, -1)
     last = next((n for n in steps if np.isfinite(dataset[name].isel(step=n)).any()), steps[0])
     return dataset.isel(step=last), [f"step {last} (of 0 to {steps[0]})"] if len(steps) > 1 else []
-
-
-def require_one_case(dataset: "xr.Dataset", path: Path) -> "xr.Dataset":
-    """Return a single case; raises InputError if one must be chosen."""
-    for dim in case_dims(dataset):
-        if dataset.sizes[dim] > 1:
-            raise InputError(f"{path}: holds {dim} {_values(dataset[dim])}; choose by --case {dim}=VALUE")
-        dataset = dataset.isel({dim: 0})
-    return dataset
 
 
 def _same(value: Any, asked: str, coordinate: "xr.DataArray") -> bool:

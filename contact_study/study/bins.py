@@ -36,44 +36,31 @@ def _around_zero(tension: float, compression: float, bins: int) -> np.ndarray:
 
 def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     """Largest tension, compression (Pa) and gap (m) worth resolving in one case."""
-    law, modulus = case.law, case.solid.contact_modulus
-    peak = law.peak_tensile_stress
+    peak, stiffness, path = case.law.peak_tensile_stress, case.solid.stiffness, case.loading.path
     # Full contact has a Gaussian stress; six deviations leave 1e-9 of it outside.
-    fluctuation = 6 * scales.full_contact_stress(case.solid)
-    applied = _applied(case)
+    fluctuation, applied = 6 * scales.full_contact_stress(case.solid), 0.0
+    if case.loading.control == "pressure":
+        applied = max(map(abs, path))
+    elif case.loading.control == "approach" and case.solid.mean_compliance:
+        # What a compressible layer takes where no gap closes; less if one does.
+        applied = min(max(0.0, *path) / case.solid.mean_compliance, case.material.hardness or np.inf)
     # Any range suits a flat hard wall under a prescribed gap, which carries nothing.
-    compression = (fluctuation + applied + peak) or modulus
+    compression = (fluctuation + applied + peak) or case.solid.contact_modulus
     # No tension exceeds the law's peak; a quarter more shows that. Persson's theory has no peak, but its tension is at
-    # most that of its cracks or of full contact.
-    cracks = min(_detachment_stress(case, scales), fluctuation + applied)
-    tension = max(1.25 * peak, 0.05 * compression, cracks)
+    # most that of full contact or of its cracks, √(2α K Δγ) of the finest wave.
+    cracks = 0.0
+    if scales.spectrum is not None and not case.theory.cap_detachment_stress:
+        finest = float(stiffness(np.array([scales.spectrum.limits[1]]))[0])
+        cracks = float(np.sqrt(2 * case.theory.alpha * finest * case.law.work_of_adhesion))
+    tension = max(1.25 * peak, 0.05 * compression, min(cracks, fluctuation + applied))
     # At the lightest contact the block rests on the highest peaks, far above the deepest valley; under tension it
     # bends up a little further between them.
     gap = 1.1 * scales.peak_to_valley + 4 * case.contact_distance
     if case.loading.control == "gap":
-        gap += max(case.loading.path)
+        gap += max(path)
     elif case.loading.control == "approach":
-        gap += max(0.0, -min(case.loading.path))
+        gap += max(0.0, -min(path))
     return tension, compression, gap or 1.0
-
-
-def _applied(case: Case) -> float:
-    """Largest mean pressure of either sign that the path says (Pa)."""
-    path, control, compliance = case.loading.path, case.loading.control, case.solid.mean_compliance
-    if control == "pressure":
-        return max(map(abs, path))
-    if control == "gap" or not compliance:
-        return 0.0
-    # What a compressible layer takes where no gap closes; less if one does.
-    return min(max(0.0, *path) / compliance, case.material.hardness or np.inf)
-
-
-def _detachment_stress(case: Case, scales: SurfaceScales) -> float:
-    """Largest one of Persson's theory (Pa): √(2α K Δγ) of the finest wave, unless it is capped."""
-    if scales.spectrum is None or case.theory.cap_detachment_stress:
-        return 0.0
-    stiffness = float(case.solid.stiffness(np.array([scales.spectrum.limits[1]]))[0])
-    return float(np.sqrt(2 * case.theory.alpha * stiffness * case.law.work_of_adhesion))
 
 
 def _rounded(value: float) -> float:

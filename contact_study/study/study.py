@@ -236,7 +236,14 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
     found = dict(study)
     law, beside = _object(found.get("interaction"), "law", TractionLaw)
     if law is not None:
-        found["interaction"] = _joined("interaction", _keys_of_law(law), beside)
+        name = next((name for name, known in LAWS.items() if type(law) is known), None)
+        if name is None:
+            raise InputError(
+                f"interaction: {type(law).__name__} is no law of a study; pass TabulatedLaw.through(gaps, "
+                "law.traction(gaps))"
+            )
+        own = {"law": name, **INTERACTIONS.declared[name].keys_from(law)}
+        found["interaction"] = _joined("interaction", own, beside)
     solid, beside = _object(found.get("elasticity"), "kind", Elasticity)
     if solid is not None:
         material = found.get("material", {})
@@ -245,9 +252,14 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
         for name in ("youngs_modulus", "poissons_ratio"):
             if f"material.{name}" in found.get("sweep", {}):
                 raise InputError(f"sweep.material.{name}: elasticity is an object of one material")
-        constants = _constants(solid, material)
-        found["elasticity"] = _joined("elasticity", _keys_of_solid(solid, constants["poissons_ratio"]), beside)
-        found["material"] = {**material, **constants}
+        kind = next((kind for kind, one in ELASTICITIES.declared.items() if one.makes is type(solid)), None)
+        if kind is None:
+            raise InputError(f"elasticity: no keys of a study make a {type(solid).__name__}; use rough_contact")
+        ratio = _poissons_ratio(solid, material)
+        own = {"kind": kind, **ELASTICITIES.declared[kind].keys_from(solid, ratio)}
+        found["elasticity"] = _joined("elasticity", own, beside)
+        modulus = solid.contact_modulus * (1 - ratio**2)
+        found["material"] = {**material, "youngs_modulus": modulus, "poissons_ratio": ratio}
     return found
 
 
@@ -264,24 +276,8 @@ def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> 
     return {**own, **beside}
 
 
-def _keys_of_law(law: TractionLaw) -> dict[str, Any]:
-    for name, known in LAWS.items():
-        if type(law) is known:
-            return {"law": name, **INTERACTIONS.declared[name].keys_from(law)}
-    raise InputError(
-        f"interaction: {type(law).__name__} is no law of a study; pass TabulatedLaw.through(gaps, law.traction(gaps))"
-    )
-
-
-def _keys_of_solid(solid: Elasticity, poissons_ratio: float) -> dict[str, Any]:
-    for kind, section in ELASTICITIES.declared.items():
-        if section.makes is type(solid):
-            return {"kind": kind, **section.keys_from(solid, poissons_ratio)}
-    raise InputError(f"elasticity: no keys of a study make a {type(solid).__name__}; use rough_contact")
-
-
-def _constants(solid: Elasticity, material: Mapping[str, Any]) -> dict[str, float]:
-    """E and ν of a solid, ν its own or the material's."""
+def _poissons_ratio(solid: Elasticity, material: Mapping[str, Any]) -> float:
+    """ν of a solid, its own or the material's."""
     given, ratio = material.get("poissons_ratio"), getattr(solid, "poissons_ratio", None)
     if given is not None:
         said = POISSONS_RATIO[0](given, "material.poissons_ratio")
@@ -290,4 +286,4 @@ def _constants(solid: Elasticity, material: Mapping[str, Any]) -> dict[str, floa
         ratio = said
     if ratio is None:
         raise InputError(f"missing key material.poissons_ratio: {type(solid).__name__} has a contact modulus alone")
-    return {"youngs_modulus": solid.contact_modulus * (1 - ratio**2), "poissons_ratio": ratio}
+    return ratio

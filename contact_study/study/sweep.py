@@ -66,10 +66,11 @@ def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list
     merged = []
     for point in points:
         one: dict[str, Any] = {name: dict(table.get(name, {})) for name in SECTIONS}
-        _put(one, point)
-        for item in table.get("override", []):
-            if _matches(one, item["when"]):
-                _put(one, {dotted: value for dotted, value in item.items() if dotted != "when"})
+        for item in ({"when": {}, **point}, *table.get("override", [])):
+            for dotted, value in item.items() if _matches(one, item["when"]) else ():
+                section, _, name = dotted.partition(".")
+                if dotted != "when":
+                    one[section][name] = value
         merged.append(one)
     for section, kinds in SECTIONS.items():
         if isinstance(kinds, TaggedUnion):
@@ -79,12 +80,6 @@ def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list
                 other = [name for name in one[section] if name in used and not kinds.has(one[section], name)]
                 one[section] = {name: value for name, value in one[section].items() if name not in other}
     return merged
-
-
-def _put(merged: dict[str, Any], values: dict[str, Any]) -> None:
-    for dotted, value in values.items():
-        section, _, name = dotted.partition(".")
-        merged[section][name] = value
 
 
 def without_effect(table: dict[str, Any], merged: Sequence[dict[str, Any]]) -> tuple[str, ...]:
@@ -118,12 +113,11 @@ def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> Swe
     """A key that the cases vary over the values written in the file; InputError if two of the values are one."""
     section, name = split(dotted, "sweep")
     declaration = keys_of(SECTIONS[section])[name]
-    units = (declaration.unit or "1").replace("J/m^2", "J m-2")
     values = tuple(dict.fromkeys(case.coordinates[name] for case in cases))
     numbers = sorted(value for value in values if isinstance(value, int | float))
     if len(values) < len(written) or any(same(*pair) for pair in itertools.pairwise(numbers)):
         raise InputError(f"sweep.{dotted} = {written!r}: holds a value twice")
-    return SweptKey(values, units, declaration.description)
+    return SweptKey(values, (declaration.unit or "1").replace("J/m^2", "J m-2"), declaration.description)
 
 
 def coordinates_of(point: dict[str, Any]) -> dict[str, Any]:

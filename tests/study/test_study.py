@@ -15,15 +15,9 @@ from contact_study.physics.lattice import lattice_of
 from contact_study.study.load_steps import path_points, path_points_of
 from contact_study.study.study import make_study, read_study
 
+SURFACE = {"kind": "self_affine", "size": "1040 angstrom", "shape": [64, 64], "rms_height": "10 angstrom"}
 TABLE = {
-    "surface": {
-        "kind": "self_affine",
-        "size": "1040 angstrom",
-        "shape": [64, 64],
-        "rms_height": "10 angstrom",
-        "cutoff_mode": 12,
-        "roll_off_mode": 3,
-    },
+    "surface": SURFACE | {"cutoff_mode": 12, "roll_off_mode": 3},
     "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42, "lattice_constant": "2.6 angstrom"},
     "interaction": {"well_depth": "18.6 meV", "length": "3.28 angstrom", "contact_distance": "3.68 angstrom"},
     "loading": {"path": ["0.1 GPa", "1 GPa"]},
@@ -138,10 +132,8 @@ def test_exceptions_match_however_the_value_is_written(when):
 def test_exceptions_without_a_point_are_noted_and_the_command_line_has_the_last_word(tmp_path):
     (note,) = make_study(SWEPT | {"override": [{"when": {"surface.seed": 2}, "loading.path": ["2 GPa"]}]}).notes
     assert "surface.seed = 2" in note
-    when = {"interaction.well_depth_ratio": 4}
-    study = read(
-        tmp_path, SWEPT | {"override": [{"when": when, "loading.path": ["2 GPa"]}]}, {"loading.path": ["5 GPa"]}
-    )
+    exception = {"when": {"interaction.well_depth_ratio": 4}, "loading.path": ["2 GPa"]}
+    study = read(tmp_path, SWEPT | {"override": [exception]}, {"loading.path": ["5 GPa"]})
     assert [case.path[0][0] for case in study.cases] == pytest.approx([5e9, 5e9])
 
 
@@ -174,30 +166,21 @@ WRONG = [
     (changed("surface", rms_height=True), "surface.rms_height"),
     (changed("solver", threads=10**9), "must be at most 1024"),
     ({**TABLE, "sweep": {"interaction.well_depth_ratio": []}}, "well_depth_ratio"),
-    (changed("surface", size=["1 nm", "2 nm", "3 nm"]), "surface.size"),
-    (changed("surface", shape=[64, 1]), "surface.shape"),
     (changed("surface", cutoff_mode=32), "surface.cutoff_mode"),
     (changed("surface", roll_off_mode=13), "must not decrease"),
     (changed("surface", kind=["flat"]), "surface.kind = "),
     (changed("interaction", law={"law": 1}), "interaction.law = "),
     (changed("sweep", **{"theory.wavevectors": [1e8, 2e8]}), "sweep.theory.wavevectors: a list cannot be swept"),
-    (changed("surface", seed=-1), "surface.seed"),
     (changed("surface", radius="1 um"), 'surface.radius: kind = "self_affine" has no such key; it belongs to sphere'),
     ({**changed("surface", radius="1 um"), "sweep": {"surface.kind": ["self_affine", "flat"]}}, "surface.radius"),
     (changed("material", poissons_ratio=0.6), "material.poissons_ratio"),
     (changed("interaction", contact_distance="3 angstrom"), "interaction.contact_distance"),
     (changed("loading", path=[]), "loading.path"),
     (changed("loading", path=["0.1 GPa", 2e8]), "loading.path"),
-    (
-        changed("loading", path=["1 GPa", "-40 GPa"]),
-        "loading.path[1] = -40 GPa exceeds the largest tensile stress of the adhesive law, 3.98 GPa: ",
-    ),
+    (changed("loading", path=["1 GPa", "-40 GPa"]), "loading.path[1] = -40 GPa exceeds the largest tensile stress"),
     (changed("surface", rms_height="1,5 nm"), "surface.rms_height = '1,5 nm': use a decimal point, \"1.5 nm\""),
     (changed("solver", tolerance=1e-17), "must be at least 1e-15"),
-    (
-        changed("elasticity", kind="viscoelastic", branch_youngs_moduli=[1e9], relaxation_times=[1, 2]),
-        "1 branch_youngs_",
-    ),
+    (changed("elasticity", kind="viscoelastic", branch_youngs_moduli=1e9, relaxation_times=[1, 2]), "1 branch_youngs_"),
     (changed("output", gap_range=["2 nm", "1 nm"]), "output.gap_range"),
     (changed("surface", rms_height="9**9**9**9 m"), "surface.rms_height"),  # nothing is calculated
     (changed("surface", rms_height=1e308), "far from any size"),
@@ -213,12 +196,8 @@ WRONG = [
     (changed("sweep", **{"surface.size": ["1040 angstrom", "104 nm"]}), "holds a value twice"),
     ({**changed("interaction", well_depth_ratio="x"), "sweep": {"interaction.well_depth_ratio": [1]}}, "'x'"),
     ({**TABLE, "override": [{"loading.path": [1e8]}]}, "override"),
-    ({**TABLE, "override": [{"when": {"surface.seed": 9}, "surface.rms_height": "1 Pa"}]}, "surface.rms_height"),
     ({**TABLE, "override": [{"when": {"surface.seed": 1}, "output.gap_bins": 9}]}, "output.gap_bins"),
-    (
-        {**TABLE, "sweep": {"surface.seed": [1, 2]}, "override": [{"when": {"surface.seed": 1}, "surface.seed": 3}]},
-        "surface.seed is swept",
-    ),
+    (SWEPT | {"override": [{"when": {"surface.seed": 1}, "interaction.well_depth_ratio": 3}]}, "_ratio is swept"),
 ]
 
 

@@ -50,8 +50,7 @@ def run(given: argparse.Namespace) -> int:
         say(line)
     print()
     print_table(("model", "possible", "memory per case", "time on one core", "remark"), rows)
-    numbers = list(_expected([_numbers(case) for case in study.cases]))
-    if numbers:
+    if numbers := list(_expected([_numbers(case) for case in study.cases])):
         print()
         print_table(("number", "value", "what to expect"), numbers)
     print("", end="\n" if notes else "")

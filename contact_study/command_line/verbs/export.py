@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_study.command_line.frame import epilog
-from contact_study.command_line.selection import add_selection, case_dims, opened, require_one_case, selected
+from contact_study.command_line.selection import add_selection, case_dims, one_case, opened, selected
 from contact_study.inputs.errors import DONE, InputError
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def run(given: argparse.Namespace) -> int:
             write_aside(output, lambda partial: table.to_csv(partial, index=False, float_format="%.9g"))
         else:
             write = contact_study.to_vtk if given.form == "vtk" else contact_study.to_xyz
-            write(require_one_case(chosen, given.file), output)
+            write(one_case(chosen, given.file)[0], output)
     print(output)
     return DONE
 

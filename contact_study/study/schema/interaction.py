@@ -22,10 +22,8 @@ class InteractionSection:
     refuses: ClassVar[tuple[tuple[str, ...], str]] = (), ""  # keys without use, and why, in words after its name
 
     law: str = key(TEXT, "traction-separation law of the continuum", "lennard_jones_10_4")
-    well_depth: float | None = key(
-        quantity("J", positive=True), "ε of the pair potential between two layers of atoms (10-4 law)", None
-    )
-    work_of_adhesion: float | None = key(quantity("J/m^2", positive=True), "Δγ, in place of well_depth", None)
+    well_depth: float | None = key(keys.JOULES, "ε of the pair potential between two layers of atoms (10-4 law)", None)
+    work_of_adhesion: float | None = key(keys.PER_AREA, "Δγ, in place of well_depth", None)
     well_depth_ratio: float = key(FACTOR, "multiplies well_depth or work_of_adhesion", 1.0)
     length: float | None = key(
         keys.or_word(METRES, AUTO),
@@ -150,9 +148,7 @@ class RepulsiveInteraction(InteractionSection):
     refuses = ("well_depth", "work_of_adhesion"), "does not attract; give interaction.repulsion"
 
     length: float = key(keys.or_word(METRES, AUTO), "gap at which the repulsion begins")
-    repulsion: float = key(
-        quantity("J/m^2", positive=True), "U, its strength: that of the 9-3 law of this work of adhesion"
-    )
+    repulsion: float = key(keys.PER_AREA, "U, its strength: that of the 9-3 law of this work of adhesion")
 
 
 @dataclass(frozen=True, kw_only=True)

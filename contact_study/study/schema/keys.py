@@ -49,6 +49,7 @@ def quantity(
 
 
 METRES, PASCALS, SECONDS, FACTOR, PER_METRE = (quantity(unit, positive=True) for unit in ("m", "Pa", "s", "1", "m^-1"))
+JOULES, PER_AREA, KILOGRAMS = (quantity(unit, positive=True) for unit in ("J", "J/m^2", "kg"))
 SHARE = quantity("1", positive=True, maximum=1.0)
 
 
@@ -246,26 +247,6 @@ class TaggedUnion:
         section = self.section_of(table)
         return section is None or name in keys_of(section)
 
-    def bind(self, table: Mapping[str, Any], name: str) -> Any:
-        """The section of the kind that a table names, errors as :func:`bind`."""
-        kind, tag = table.get(self.tag, default_of(self, self.tag)), self.keys[self.tag]
-        if kind is MISSING:
-            raise InputError(f"missing key {name}.{self.tag} ({tag.kind}: {tag.description})")
-        section = self.declared[tag.read(kind, f"{name}.{self.tag}")]
-        for given in table:
-            if given in self.keys and given not in keys_of(section):
-                raise InputError(
-                    f'{name}.{given}: {self.tag} = "{kind}" has no such key; it belongs to '
-                    + ", ".join(other for other, declared in self.declared.items() if given in keys_of(declared))
-                )
-        for needed, declaration in keys_of(section).items():
-            if default_of(section, needed) is MISSING and needed not in table:
-                raise InputError(
-                    f'missing key {name}.{needed}: {self.tag} = "{kind}" needs it '
-                    f"({declaration.kind}: {declaration.description})"
-                )
-        return bind(section, table, name)
-
 
 def keys_of(section: type | TaggedUnion) -> dict[str, Key]:
     """The keys of a section, in the order of declaration."""
@@ -281,20 +262,33 @@ def default_of(section: type | TaggedUnion, name: str) -> Any:
     return section.__dataclass_fields__[name].default  # type: ignore[union-attr]
 
 
-def bind(section: type | TaggedUnion, table: Mapping[str, Any], name: str) -> Any:
+def bind(declared: type | TaggedUnion, table: Mapping[str, Any], name: str) -> Any:
     """Build a section from a TOML table; InputError if a key is unknown, missing, of the wrong kind or out of range."""
-    if isinstance(section, TaggedUnion):
-        return section.bind(table, name)
-    known = keys_of(section)
+    section: Any = declared
+    known, tag, kind = keys_of(declared), "", None
+    if isinstance(declared, TaggedUnion):
+        tag, kind = declared.tag, table.get(declared.tag, default_of(declared, declared.tag))
+        if kind is MISSING:
+            raise InputError(f"missing key {name}.{tag} ({known[tag].kind}: {known[tag].description})")
+        section = declared.declared[known[tag].read(kind, f"{name}.{tag}")]
+    own = keys_of(section)
     for given in table:
-        if given not in known:
-            meant = replacement(f"{name}.{given}") or suggestion(given, known)
-            raise InputError(f"unknown key {name}.{given}{meant}; known: {', '.join(known)}")
-    values = {given: known[given].read(value, f"{name}.{given}") for given, value in table.items()}
-    for needed, declaration in known.items():
-        if needed not in values and default_of(section, needed) is MISSING:
-            raise InputError(f"missing key {name}.{needed} ({declaration.kind}: {declaration.description})")
-    return section(**values)
+        if given in own:
+            continue
+        if isinstance(declared, TaggedUnion) and given in known:
+            raise InputError(
+                f'{name}.{given}: {tag} = "{kind}" has no such key; it belongs to '
+                + ", ".join(other for other, one in declared.declared.items() if given in keys_of(one))
+            )
+        meant = replacement(f"{name}.{given}") or suggestion(given, own)
+        raise InputError(f"unknown key {name}.{given}{meant}; known: {', '.join(own)}")
+    for needed, key in own.items():
+        if needed in table or default_of(section, needed) is not MISSING:
+            continue
+        if kind is not None:
+            raise InputError(f'missing key {name}.{needed}: {tag} = "{kind}" needs it ({key.kind}: {key.description})')
+        raise InputError(f"missing key {name}.{needed} ({key.kind}: {key.description})")
+    return section(**{given: own[given].read(value, f"{name}.{given}") for given, value in table.items()})
 
 
 def check_table(bound: Any, section: str, kind: str) -> None:

@@ -29,9 +29,7 @@ class MaterialSection:
     lattice_constant: float | None = key(
         METRES, "lattice constant a of the block; divides surface.size (atoms, well_depth)", None
     )
-    atom_mass: float | None = key(
-        quantity("kg", positive=True), "mass of a block atom, for atomistic.method = dynamics", None
-    )
+    atom_mass: float | None = key(keys.KILOGRAMS, "mass of a block atom, for atomistic.method = dynamics", None)
     hardness: float | None = key(
         PASCALS, "largest pressure; points that reach it yield plastically (continuum, hard wall)", None
     )
