@@ -221,9 +221,9 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
                 raise line_scan(reader.channels[0].nb_grid_pts[0])
             # The unit of what is no length is no text with some readers.
             lengths = {one.channel_id for one in maps if one.is_height_channel and isinstance(one.unit, str | None)}
-            surfaces = {name for name in lengths if not _NO_HEIGHTS.search(name)}
             by_name = {one.channel_id: one for one in reversed(maps)}
-            found = by_name[_chosen(path, [one.channel_id for one in maps], channel, others=set(by_name) - surfaces)]
+            others = {name for name in by_name if name not in lengths or _NO_HEIGHTS.search(name)}
+            found = by_name[_chosen(path, [one.channel_id for one in maps], channel, others=others)]
             sides = found.physical_sizes
             # It asks for a size where the file has none.
             topography = found.topography(physical_sizes=found.nb_grid_pts if sides is None else None)

@@ -23,6 +23,11 @@ _Limit = float | np.ndarray | None
 class RoughnessSpectrum(ABC):
     """A roughness spectrum, continuous or discrete, by its moments.
 
+    Raises
+    ------
+    ValueError
+        If no spectrum has the numbers of a kind.
+
     Examples
     --------
     >>> from theory import RoughnessSpectrum, SelfAffineSpectrum
@@ -83,11 +88,6 @@ class SelfAffineSpectrum(RoughnessSpectrum):
         H = 3 − D_f, from 0 to 1, and h_rms of the ensemble (m); it fixes C₀.
     low, roll_off, cutoff : float
         Wavevectors q_L <= q_0 <= q_1, with q_L < q_1 (1/m).
-
-    Raises
-    ------
-    ValueError
-        If the wavevectors are out of order, the height is not positive or the exponent not from 0 to 1.
 
     Examples
     --------
@@ -162,11 +162,6 @@ class TabulatedSpectrum(RoughnessSpectrum):
     density : array_like, shape (n,)
         C(q) > 0 in the convention of h_rms² = 2π ∫ q C dq (m⁴).
 
-    Raises
-    ------
-    ValueError
-        If the table is no such table.
-
     Examples
     --------
     >>> from theory import PerssonTheory, TabulatedSpectrum
@@ -198,11 +193,6 @@ class TabulatedSpectrum(RoughnessSpectrum):
     def limits(self) -> tuple[float, float]:
         return float(self.wavevectors[0]), float(self.wavevectors[-1])
 
-    @cached_property
-    def _exponents(self) -> np.ndarray:
-        """Power of q in each piece."""
-        return np.diff(np.log(self.density)) / np.diff(np.log(self.wavevectors))
-
     def density_at(self, wavevector: float | np.ndarray) -> np.ndarray:
         """C(q) (m⁴), zero outside the table."""
         q = np.asarray(wavevector, dtype=float)
@@ -217,7 +207,8 @@ class TabulatedSpectrum(RoughnessSpectrum):
 
     def _moment(self, order: float, upper: np.ndarray) -> np.ndarray:
         """∫ qⁿ C dq from the first wavevector, exact in each power law."""
-        q, powers = self.wavevectors, order + self._exponents
+        q = self.wavevectors
+        powers = order + np.diff(np.log(self.density)) / np.diff(np.log(q))
         scale = self.density[:-1] * q[:-1] ** (order + 1)
         whole = np.concatenate([[0.0], np.cumsum(scale * _power_integral(powers, 1.0, q[1:] / q[:-1]))])
         piece = np.clip(np.searchsorted(q, upper, side="right") - 1, 0, q.size - 2)
@@ -263,11 +254,6 @@ class RadialSpectrum(RoughnessSpectrum):
         Magnitudes q of the shells, increasing (1/m).
     variances : numpy.ndarray, shape (n,)
         Height variance in each shell (m²); their sum is h_rms².
-
-    Raises
-    ------
-    ValueError
-        If there is no shell, the wavevectors do not increase from above zero or a variance is negative or no number.
 
     Examples
     --------

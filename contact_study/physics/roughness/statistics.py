@@ -135,9 +135,7 @@ def roughness_of_sample(heights: np.ndarray, grid: Grid, shortest: float | None 
     )
 
 
-def _power_spectrum(
-    power: np.ndarray, q: np.ndarray, waves: np.ndarray, grid: Grid, lowest: float = 0.0, highest: float = np.inf
-) -> PowerSpectrum:
+def _power_spectrum(power, q, waves, grid, lowest=0.0, highest=np.inf):
     """Bands of the amplitudes of mean squares ``power`` from a lowest to a highest wavevector."""
     highest = min(highest, np.pi / max(grid.spacing))
     counted = (q > 0) & (q >= lowest * (1 - 1e-9)) & (q <= highest * (1 + 1e-9))
