@@ -16,8 +16,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import make_law
-from contact_study.physics.process_zone import POINTS_PER_PROCESS_ZONE, process_zone
-from contact_study.physics.tabor import ATOMIC
+from contact_study.physics.process_zone import ATOMIC, POINTS_PER_PROCESS_ZONE, process_zone
 from contact_study.study.case import Case, realise
 from contact_study.study.schema.interaction import AUTO, LENGTH
 from contact_study.study.study import read_study

@@ -10,14 +10,17 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
 from contact_study.physics.process_zone import (
     POINTS_PER_PROCESS_ZONE,
+    SHARE_OF_HEIGHT,
+    longest_range,
     process_zone,
     resolved_length,
     resolves,
     resolving_shape,
+    sphere_pull_off,
+    tabor_parameter,
     too_coarse,
 )
 from contact_study.physics.surfaces.surface import SurfaceScales
-from contact_study.physics.tabor import SHARE_OF_HEIGHT, longest_range, sphere_pull_off, tabor_parameter
 from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import points

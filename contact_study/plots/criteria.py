@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE
+from contact_study.physics.process_zone import DMT_LIKE, JKR_LIKE
 from contact_study.plots.selection import label, require
 from contact_study.plots.style import COLOURS, DOUBLE, axes_of, picture, plain_decades
 

@@ -16,9 +16,9 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
 from contact_study.inputs.units import length
 from contact_study.physics.laws import LAWS, TractionLaw
+from contact_study.physics.process_zone import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
 from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.surface import SurfaceScales
-from contact_study.physics.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
 from contact_study.study import sweep
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, bare_numbers, is_sweep, replace_keys

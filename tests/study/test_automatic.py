@@ -5,7 +5,7 @@ import pytest
 
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
-from contact_study.physics.tabor import longest_range, sphere_pull_off, tabor_parameter
+from contact_study.physics.process_zone import longest_range, sphere_pull_off, tabor_parameter
 from contact_study.study.study import make_study
 from theory import references as reference
 

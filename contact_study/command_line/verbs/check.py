@@ -119,8 +119,7 @@ def _expected(cases: Sequence[dict[int, float]]) -> Iterator[tuple[str, str, str
 
 def meanings() -> dict[str, dict[float, str]]:
     """Return the numbers to expect, and what each means from a least value on."""
-    from contact_study.physics.process_zone import POINTS_FOR_ONE_STATE, POINTS_PER_PROCESS_ZONE
-    from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE
+    from contact_study.physics.process_zone import DMT_LIKE, JKR_LIKE, POINTS_FOR_ONE_STATE, POINTS_PER_PROCESS_ZONE
 
     more = f"use {POINTS_PER_PROCESS_ZONE} or more"
     return {
@@ -147,8 +146,7 @@ def meanings() -> dict[str, dict[float, str]]:
 
 def _numbers(case: "Case") -> dict[int, float]:
     """Return what a case has of these numbers; θ as B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001)."""
-    from contact_study.physics.process_zone import process_zone
-    from contact_study.physics.tabor import tabor_parameter
+    from contact_study.physics.process_zone import process_zone, tabor_parameter
 
     law, solid, scales, found = case.law, case.solid, case.scales, dict[int, float]()
     rough, stress = scales.apex_curvature is None, scales.full_contact_stress(solid)

@@ -9,8 +9,8 @@ import xarray as xr
 from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
+from contact_study.physics.process_zone import tabor_parameter
 from contact_study.physics.solids import Elasticity
-from contact_study.physics.tabor import tabor_parameter
 from contact_study.report.align.cases import SweepPoint, constant, first_constant, select, sweep_points
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
