@@ -45,6 +45,7 @@ def test_a_part_has_the_slope_of_its_heights_tilt_included_and_the_spectrum_of_i
     part, grid = surface(shape=[256, 256], cutoff_mode=50).sampled[:128, :128], Grid((128, 128), (52e-9, 52e-9))
     level, torn = roughness_of_sample(part, grid), roughness_of(part, grid)
     assert (level.edge_ratio, level.edge_jump) == (torn.edge_ratio, torn.edge_jump)
+    assert level.rms_height == pytest.approx(part.std(), abs=0, rel=1e-9)
     tilted = roughness_of_sample(part + 0.5 * grid.coordinates[0][:, None], grid)
     # The mean gradient of the part adds to the tilt by itself; a hundredth is the corner between it and its image.
     assert tilted.rms_slope == pytest.approx(np.hypot(level.rms_slope, 0.5), abs=0, rel=0.1)
