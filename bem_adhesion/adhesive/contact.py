@@ -23,8 +23,7 @@ from contact_study.physics.solids import Elasticity, elasticity_of
 
 # Tension that counts as none, in units of the law's peak: the gap at which it has fallen to this is out of reach.
 NO_TENSION = 1e-3
-# Stiffness that separates core and tail in the preconditioner, over the geometric mean of the law's strongest softening
-# and of the solid at the surface's typical wavenumber.
+# Stiffness between core and tail, over the geometric mean of strongest softening and typical stiffness of the solid.
 PRECONDITIONER_SHIFT = 0.22
 GAP_CORRECTIONS = 20  # of the spring's end under gap control
 APPROACH_REFINEMENTS = 5  # solves at smaller and smaller tolerance until an approach is reached
@@ -132,7 +131,6 @@ class AdhesiveContact:
         gap = displacement - self.height
         gap /= self._length
         if self.law.has_wall:
-            # A displacement that was stored and read has a rounding.
             over_surface = gap[self._inside]
             touching = TOUCHING * max(self.height.max(), -self.height.min()) / self._length
             over_surface[np.abs(over_surface) <= touching] = 0.0
@@ -140,7 +138,7 @@ class AdhesiveContact:
 
     def _out_of_reach(self, gap: np.ndarray) -> bool:
         """Return whether the law acts on no point, for a gap in units of its length."""
-        # Rounding of a displacement that was stored and read is less than this.
+        # Less by the rounding of a displacement that was stored and read.
         return bool(gap[self._inside].min() > (1 - 1e-6) * self._reach / self._length)
 
     @in_turn

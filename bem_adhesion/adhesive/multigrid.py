@@ -19,23 +19,12 @@ from contact_study.physics.process_zone import process_zone
 POINTS_FOR_PREDICTION, FEWEST_POINTS_OF_HALF = 1.25, 8
 COARSE_TOLERANCE, WALL_TOLERANCE = 3e-4, 1e-2  # at contact edges with a wall interpolation leaves a residual of 0.3
 CLOSEST_PREDICTION = 0.85  # smallest predicted gap over the equilibrium distance, unless it was smaller
-# Distance of a prediction from the load over the law's peak stress: on a coarse grid of one point per process zone, and
-# its lower limit. It falls with the fourth power of the points.
+# Distance of a prediction from the load over the law's peak, times the fourth power of points per zone; its least.
 LAG, LEAST_LAG = 0.05, 1e-4
-# Largest relative change of a gap along the tangent, beyond which a fold is near; tangent steps, and points per process
-# zone of the coarse grid from which more than one is taken.
+# Largest relative change of a gap along the tangent; steps, and coarse points per zone from which more than one.
 TANGENT_LIMIT, TANGENT_STEPS, POINTS_FOR_STEPS = 0.1, 3, 32
 # Points per process zone of the coarsest grid that searches for negative curvature, and factor on its softening.
 POINTS_FOR_CURVATURE, CURVATURE_MARGIN = 4, 1.05
-
-
-def _close_gaps(touching: np.ndarray, fine: np.ndarray) -> None:
-    """Set the gap to zero where all neighbours on the coarse grid touch a wall; interpolation leaves a rounding."""
-    beside = touching & np.roll(touching, -1, axis=1)
-    fine[::2, ::2][touching] = 0
-    fine[::2, 1::2][beside] = 0
-    fine[1::2, ::2][touching & np.roll(touching, -1, axis=0)] = 0
-    fine[1::2, 1::2][beside & np.roll(beside, -1, axis=0)] = 0
 
 
 class MultigridSolver:
@@ -134,5 +123,7 @@ class MultigridSolver:
         if law.has_wall:
             touching = np.zeros(reached.shape, bool)
             touching[coarser.finest.inside] = reached[coarser.finest.inside] == 0
-            _close_gaps(touching, predicted)
+            for row, column in np.ndindex(2, 2):  # interpolation leaves a rounding where all neighbours touch
+                beside = touching & np.roll(touching, -row, axis=0)
+                predicted[row::2, column::2][beside & np.roll(beside, -column, axis=1)] = 0
         return predicted

@@ -1,8 +1,7 @@
-"""Newton descent of an adhesive contact on one grid, under any traction-separation law.
+"""Newton descent of an adhesive contact on one grid into the minimum of ½<d, K d> + <φ(d)> + <load·d> next to it.
 
-The gap d descends into the minimum of ½<d, K d> + <φ(d)> + <load·d> next to it; negative curvature that stops a linear
-solve is multiplied by 1 − damping until steps succeed. Stresses are in units of the contact modulus. Residuals are in
-float64; between two full evaluations K d follows the changes of d by transforms in float32.
+Negative curvature that stops a linear solve is multiplied by 1 − damping until steps succeed. Residuals are in float64;
+between two full evaluations K d follows the changes of d by transforms in float32.
 """
 
 from collections.abc import Callable
@@ -35,11 +34,8 @@ CLOSE, CLOSE_REDUCTION, BEYOND_TOLERANCE = 1e-3, 0.03, 0.5
 STEP_LIMIT = 0.4  # largest relative change of an attracted gap in one step
 # Damping of negative curvature: first value, factor after a failure, factor after a success.
 DAMPING_START, DAMPING_GROWTH, DAMPING_DECAY = 0.1, 3.0, 0.6
-# Residual above which negative curvature is removed at first contact, where surfaces jump in everywhere at once: the
-# descent then ends in the state of a slow gradient flow.
-FIRST_CONTACT_RESIDUAL = 0.2
-# Residual below which a state with negative curvature is left along it, the length of that step, and the number of such
-# steps in a row after which the curvature is damped instead.
+FIRST_CONTACT_RESIDUAL = 0.2  # above which first contact has no negative curvature, to end as a slow gradient flow
+# Residual below which a state is left along negative curvature, length of the step, and most of them in a row.
 SADDLE_RESIDUAL, SADDLE_STEP, SADDLE_STEPS = 0.2, 0.1, 50
 CURVATURE_ITERATIONS = 8  # of conjugate gradients that search for negative curvature at an equilibrium
 SUBDOMAIN_RESIDUAL = 5e-3  # above which subdomains are relaxed separately
@@ -245,8 +241,7 @@ class NewtonSolver:
             if self._stalls:
                 return None
             if damping == 1:
-                # K + D⁺ has no negative curvature: it is zero to the rounding of single precision, as where next to
-                # nothing acts on the mean gap. What was reached before is a descent.
+                # K + D⁺ is zero to the rounding of single precision: what was reached before is a descent.
                 if result.iterations == 1:
                     self._linearised.solution[...] = self._along_direction(self.law.length)
                 return damping, raised

@@ -209,17 +209,12 @@ class FreeBoundaryContact:
     """A surface of finite extent, its points centres of cells, on a half-space under a force or at an approach."""
 
     def __init__(
-        self,
-        height: np.ndarray,
-        grid: Grid,
-        elasticity: Elasticity | float,
-        law: TractionLaw,
-        control: str = "pressure",
-        **options: Any,
+        self, height: np.ndarray, grid: Grid, elasticity: Elasticity | float, law: TractionLaw, **options: Any
     ):
         solid = elasticity_of(elasticity)
         if type(solid) is not HalfSpace:
             raise ValueError(f"elasticity = {solid!r}: free boundaries are those of a half-space")
+        control = options.get("control", "pressure")
         if control not in ("pressure", "approach"):
             raise ValueError(f"control = {control!r}: with free boundaries 'pressure' or 'approach'")
         self.height, self.law, self.control = height, law, control
@@ -233,9 +228,9 @@ class FreeBoundaryContact:
         heights[self._window] = height
         self._padded: HardWallContact | AdhesiveContact
         if bare_wall:
-            self._padded = HardWallContact(heights, self._grid, free, control, **options)
+            self._padded = HardWallContact(heights, self._grid, free, **options)
         else:
-            self._padded = AdhesiveContact(heights, self._grid, free, law, control, window=self._window, **options)
+            self._padded = AdhesiveContact(heights, self._grid, free, law, window=self._window, **options)
 
     def separated(self) -> np.ndarray:
         """Return the state of separated surfaces, on the padded grid."""
@@ -244,15 +239,7 @@ class FreeBoundaryContact:
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """Find the state under a load, see :meth:`Contact.step`; its ``state`` alone is on the padded grid."""
         state, target = step_arguments(self.control, target, state, self._grid.shape)
-        return self._cropped(self._padded.step(state, target * self._share if self.control == "pressure" else target))
-
-    def stiffness(self, solution: Solution) -> float:
-        """Return −dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
-        inner = self._padded.stiffness(solution)
-        # In series: the mean of the padded surface, and the undeformed surface beyond it.
-        return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness)) if inner else 0.0
-
-    def _cropped(self, found: Solution) -> Solution:
+        found = self._padded.step(state, target * self._share if self.control == "pressure" else target)
         fields = found.gap, found.pressure, found.displacement, found.plastic_indentation
         inside: Any = [None if each is None else np.ascontiguousarray(each[self._window]) for each in fields]
         gap, pressure, displacement, yielded = inside
@@ -270,6 +257,12 @@ class FreeBoundaryContact:
             interaction_energy=found.interaction_energy / self._share,
             plane=plane,
         )
+
+    def stiffness(self, solution: Solution) -> float:
+        """Return −dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
+        inner = self._padded.stiffness(solution)
+        # In series: the mean of the padded surface, and the undeformed surface beyond it.
+        return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness)) if inner else 0.0
 
 
 class PlasticContact:

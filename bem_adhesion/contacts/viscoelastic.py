@@ -76,18 +76,14 @@ class ViscoelasticContact:
         self._moduli = np.array(solid.branch_moduli)
         self._times = np.array(solid.relaxation_times)
         self._control = str(options.get("control", "pressure"))
-        self._apart = self._elastic_contact(self.height, solid.contact_modulus).separated()
+        apart = self._elastic_contact(self.height, solid.contact_modulus).separated()
+        highest, mean = self.height.max(), self.height.mean()
+        # Mean gap of the surfaces before the law acts between them (m).
+        self.first_gap = float(highest - mean if self._wall else (apart - self.height).mean())
         warn_of_coarse_grid(self._grid, solid, law)
 
     def _elastic_contact(self, heights: np.ndarray, modulus: float) -> Contact:
         return contact_between(heights, self._grid, modulus, self._law, **self._options)  # type: ignore[arg-type]
-
-    @property
-    def first_gap(self) -> float:
-        """Mean gap of the surfaces before the law acts between them (m)."""
-        return (
-            float(self.height.max() - self.height.mean()) if self._wall else float((self._apart - self.height).mean())
-        )
 
     def separated(self) -> np.ndarray:
         """Return the state at rest and without contact, shape (2 + branches, y, x), see :meth:`step`."""

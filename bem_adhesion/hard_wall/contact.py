@@ -19,16 +19,12 @@ from contact_study.numerics.memory import in_turn
 from contact_study.physics.laws import HardWall
 from contact_study.physics.solids import Elasticity, elasticity_of
 
-# Relative change of the mean pressure, times points along the longer side, up to which an earlier state is a better
-# start than the coarser grids.
-SIMILAR_LOAD = 16
-# Unit of errors of a nearly flat punch, over its displacement.
-SHARE_OF_PUNCH = 1e-3
-# Search for a pressure: largest over the hardness (no point of a grid is open then), first over that of a closed
-# approach, and step in the logarithm until the root is between two pressures.
+SIMILAR_LOAD = 16  # relative change of the load, times points along the longer side, up to which a state is a start
+SHARE_OF_PUNCH = 1e-3  # unit of errors of a nearly flat punch, over its displacement
+# Search for a pressure: largest over the hardness (no point is open then), first over that of a closed approach, and
+# step in the logarithm until the root is between two pressures.
 LARGEST_SHARE, FIRST_SHARE, STRIDE = 1 - 1e-9, 1e-3, 2.0
-# Relative difference from the hardness of one of many points that yield.
-AT_HARDNESS = 1e-8
+AT_HARDNESS = 1e-8  # relative difference from the hardness of one of many points that yield
 
 
 class HardWallContact:
@@ -141,7 +137,7 @@ class HardWallContact:
             indentation *= unit
         if not self._bounded or indentation is not None:
             surface = level.surface() * unit + self._mean_height
-        return self._solution(level.pressure * self._pressure_unit, gap, *end, surface, indentation)
+        return self._solution(level.pressure * self._pressure_unit, gap, end, surface, indentation)
 
     def _at_gap(self, state: np.ndarray, mean_gap: float) -> Solution:
         """Find the pressure that leaves that gap."""
@@ -235,8 +231,7 @@ class HardWallContact:
         if np.abs(away).max() > AT_HARDNESS * self.hardness or gap.min() < 0 or indentation.min() < 0:
             return replace(found, outcome=Outcome.ITERATION_LIMIT)
         end = found.residual, found.iterations, Outcome.CONVERGED
-        pressure = np.where(yields, self.hardness, 0.0)
-        return self._solution(pressure, gap, *end, found.displacement + lift, indentation)
+        return self._solution(np.where(yields, self.hardness, 0.0), gap, end, found.displacement + lift, indentation)
 
     def _all_yielded(self, found: Solution, lift: float) -> Solution:
         """Move the solid where every point yields: flagged, as no load holds the surfaces there."""
@@ -244,7 +239,8 @@ class HardWallContact:
         surface = found.displacement + lift
         pressure, gap = np.where(there, self.hardness, 0.0), np.where(there, 0.0, np.inf)
         indentation = np.where(there, np.maximum(self._height - surface, 0.0), 0.0)
-        return self._solution(pressure, gap, found.residual, found.iterations, Outcome.YIELDED, surface, indentation)
+        end = found.residual, found.iterations, Outcome.YIELDED
+        return self._solution(pressure, gap, end, surface, indentation)
 
     def _apart(self, plane: float) -> Solution:
         """Return the solution without contact, the solid's surface at a height (m)."""
@@ -255,9 +251,7 @@ class HardWallContact:
         self,
         pressure: np.ndarray,
         gap: np.ndarray,
-        residual: float = 0.0,
-        iterations: int = 0,
-        outcome: Outcome = Outcome.CONVERGED,
+        end: tuple[float, int, Outcome] = (0.0, 0, Outcome.CONVERGED),
         surface: np.ndarray | None = None,
         indentation: np.ndarray | None = None,
     ) -> Solution:
@@ -269,5 +263,5 @@ class HardWallContact:
         if np.isfinite(self.hardness):
             beyond = max(0.0, -float(pressure.min()), float(pressure.max()) - self.hardness)
             beyond /= self.elasticity.contact_modulus
-        end = residual, iterations, 0.0, outcome, beyond, None, indentation
-        return Solution(pressure, displacement, gap, pressure, elastic_energy, 0.0, *end, law=HardWall())
+        rest = *end[:2], 0.0, end[2], beyond, None, indentation
+        return Solution(pressure, displacement, gap, pressure, elastic_energy, 0.0, *rest, law=HardWall())

@@ -12,21 +12,18 @@ import numpy as np
 from contact_study.numerics.kernel import kernel
 from contact_study.physics.laws import Dugdale, Exponential, LennardJones, TractionLaw
 
-# Pressure at which a point ends that enters repulsion in one step, in units of the law's peak: it holds the point there
-# and its overshoot does not decide the line search (research/notes/adhesive_solver.md).
+# Pressure, over the law's peak, at which a point ends that enters repulsion in one step (research/notes).
 LANDING = 0.35
 # An attracted point out of balance by a stress g gains the curvature CAUTION |g| / distance, so that it steps about to
 # equilibrium and not beyond. The term vanishes with g: Newton's quadratic convergence stays.
 CAUTION = 1.0
-# Points at a time: arrays between two loops over so many stay in the cache.
-BLOCK = 32768
+BLOCK = 32768  # points at a time: arrays between two loops over so many stay in the cache
 # Stiffness of a held point over the largest of the solid: infinite to the accuracy of a linear solve in a descent, and
 # far from the rounding of single precision; and, larger, where a contact stiffness is computed.
 HELD, PINNED = 1e3, 1e6
 # Smaller exponents are raised to it: where an exponential rounds to zero it takes fourteen times as long.
 LEAST_EXPONENT = -700.0
-# Negligible beside one in double precision.
-NO_SUMMAND = 1e-17
+NO_SUMMAND = 1e-17  # negligible beside one in double precision
 # s^(m+6) at which tangents bound the root of s^(m+6) − s^m = y from above.
 _TANGENTS = (1.0, 1.1**11, 1.25**11, 1.6**11)
 

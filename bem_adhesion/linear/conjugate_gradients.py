@@ -15,7 +15,7 @@ from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product, kernel
 from contact_study.numerics.memory import Memory
-from contact_study.numerics.multigrid import HALVINGS, SHORT_WAVES, HalvedInverse, Inverse, can_be_halved
+from contact_study.numerics.multigrid import HALVINGS, HalvedInverse, Inverse, can_be_halved
 
 # Rounding of float32: an energy of a direction s below this fraction of the terms that it is the sum of is negative;
 # above this fraction of |s|² the terms need not be computed.
@@ -40,18 +40,14 @@ class FourierPreconditioner:
 
 
 def preconditioner_for(
-    operator: PeriodicOperator,
-    make_operator: MakeOperator,
-    shift: float,
-    short_waves: float = SHORT_WAVES,
-    halvings: int = HALVINGS,
+    operator: PeriodicOperator, make: MakeOperator, shift: float, short_waves: float, halvings: int = HALVINGS
 ) -> Inverse:
     """Return the inverse on an operator in float32: only waves longer than a few points need K, by coarser grids."""
     rows, columns = operator.grid.shape
     if not (halvings and can_be_halved((rows, columns))):
         return FourierPreconditioner(operator, shift)
-    coarse = make_operator(operator.grid.with_shape((rows // 2, columns // 2)), np.float32)
-    inverse = preconditioner_for(coarse, make_operator, shift, short_waves, halvings - 1)
+    coarse = make(operator.grid.with_shape((rows // 2, columns // 2)), np.float32)
+    inverse = preconditioner_for(coarse, make, shift, short_waves, halvings - 1)
     return HalvedInverse(operator.field, inverse, operator.largest, short_waves)
 
 

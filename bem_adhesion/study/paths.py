@@ -27,11 +27,8 @@ from contact_study.study.case import Case
 # First step over the way between two points: the error of the trapezoidal rule could hide a jump in all of it.
 FIRST_STEP = 0.25
 PASSED_OVER = 0.01  # relative excess of the tension between two states over that at both
-# Unaccounted work of a step that counts as none, over the work of adhesion.
-_NOISE = 1e-6
-# Tension at the rim, over the law's peak, below which no warning is given: grids that resolve a law err by about as
-# much in the pull-off (docs/validation.md).
-_RIM_TENSION = 0.01
+_NOISE = 1e-6  # unaccounted work of a step that counts as none, over the work of adhesion
+_RIM_TENSION = 0.01  # over the law's peak, below which no warning is given: grids err by as much in the pull-off
 # Points of a grid from which on a solver's iterations are told; on smaller ones that would cost some per cent.
 _TRACED = 128**2
 
@@ -68,14 +65,10 @@ def interface_state(
     further = {} if stiffness is None else {"contact_stiffness": stiffness}
     if yielded is not None:  # the pressure on a yielding point is the hardness throughout
         further["plastic_work"] = (case.material.hardness or 0.0) * float(np.mean(yielded))
+    touching = case.law.in_contact(gap, pressure, case.contact_distance)
+    numbers = case.law.equilibrium_distance, separation, solution.elastic_energy, solution.interaction_energy
     return InterfaceState(
-        gap=gap,
-        pressure=pressure,
-        contact=case.law.in_contact(gap, pressure, case.contact_distance),
-        equilibrium_distance=case.law.equilibrium_distance,
-        mean_separation=separation,
-        elastic_energy=solution.elastic_energy,
-        interaction_energy=solution.interaction_energy,
+        *(gap, pressure, touching, *numbers),
         report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
         restart={"state": solution.state},
         spacing=spacing,
@@ -213,7 +206,17 @@ def path_of_equilibria(
     # A flat punch has no surface beyond its rim.
     warned = set() if np.ptp(surface.sampled) else {"contact", "tension"}
     for number, (value, _) in enumerate(case.path[start:], start):
-        solution, ledger, passed = _next(case, contact, state, ledger, value)
+        passed: list[EnergyLedger] = []
+        if ledger is None:
+            solution = contact.step(state, value)
+            if case.least_step is not None and solution.converged:
+                ledger = ledger_of(solution, value, case.solid)
+                passed.append(ledger)
+        else:
+            noise = _NOISE * case.law.work_of_adhesion
+            least = case.least_step or 0.0  # only adaptive paths have a ledger
+            solution, (_, *passed) = adaptive_step(contact, state, ledger, value, least, case.solid, noise)
+            ledger = passed[-1] if passed else ledger
         state = solution.state
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
         found = interface_state(case, solution, surface.grid.spacing, stiffness)
@@ -227,22 +230,6 @@ def path_of_equilibria(
             )
         _warn_of_rim(case, number, found, warned)
         yield found
-
-
-def _next(
-    case: Case, contact: Contact, state: np.ndarray, ledger: EnergyLedger | None, target: float
-) -> tuple[Solution, EnergyLedger | None, list[EnergyLedger]]:
-    """Solve the next point; return its solution, its ledger on an adaptive path, and the states passed on the way."""
-    if ledger is None:
-        solution = contact.step(state, target)
-        if case.least_step is None or not solution.converged:
-            return solution, None, []
-        ledger = ledger_of(solution, target, case.solid)
-        return solution, ledger, [ledger]
-    assert case.least_step is not None  # only adaptive paths have a ledger
-    noise = _NOISE * case.law.work_of_adhesion
-    solution, (_, *passed) = adaptive_step(contact, state, ledger, target, case.least_step, case.solid, noise)
-    return solution, passed[-1] if passed else ledger, passed
 
 
 def _warn_of_rim(case: Case, number: int, found: InterfaceState, warned: set[str]) -> None:

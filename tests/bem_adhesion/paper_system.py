@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from bem_adhesion.hard_wall.contact import HardWallContact
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import HardWall, LennardJones104
 from contact_study.physics.surfaces.surface import Surface
@@ -78,11 +77,6 @@ def stepped(contact, targets):
         found.append(contact.step(state, target))
         state = found[-1].state
     return found
-
-
-def wall_at(height, grid, mean_pressure, modulus=E_STAR):
-    """Contact with a hard wall under a mean pressure, from separation."""
-    return stepped(HardWallContact(height, grid, modulus), [mean_pressure])[0]
 
 
 def approach_of(found, height, solid, the_law=HardWall()):  # noqa: B008

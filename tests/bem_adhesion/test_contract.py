@@ -8,6 +8,7 @@ import warnings
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -51,35 +52,30 @@ LAYERS = {f"layer {ratio} {share}": Layer(E_STAR, ratio, share * SIZE) for ratio
 LOADS = {"pressure": (0.2e9, 2e9, 20e9, 1e9), "gap": (6e-10, 2e-10, 0.3e-10, 4e-10)}
 
 
-class OfOneSecond:
+def of_one_second(height, size, solid, the_law):
     """A viscoelastic contact whose steps all take one second."""
-
-    def __init__(self, height, size, solid, the_law):
-        self._contact = ViscoelasticContact(height, size, solid, the_law)
-        self.separated = self._contact.separated
-
-    def step(self, state, target):
-        return self._contact.step(state, target, 1.0)[0]
+    contact = ViscoelasticContact(height, size, solid, the_law)
+    return SimpleNamespace(separated=contact.separated, step=lambda *given: contact.step(*given, 1.0)[0])
 
 
 KINDS = {
     "wall": (HardWall(), {}),
     "plastic": (HardWall(), {"hardness": 5e9}),
     "free wall": (HardWall(), {"boundary": "free"}),
-    "adhesive": (law(4.0), {}),
+    "adhesive": (law(), {}),
     "outside a wall": (EVERY_LAW["exponential"], {}),
-    "free": (law(4.0), {"boundary": "free"}),
+    "free": (law(), {"boundary": "free"}),
     "viscoelastic": (law(), None),
 }
 every_kind = pytest.mark.parametrize("kind", KINDS)
 every_elastic_kind = pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "viscoelastic"])
 
 
-def contact_of(kind, height=SMALL, **options):
+def contact_of(kind, height=SMALL, solid=E_STAR, **options):
     the_law, own = KINDS[kind]
     if own is None:
-        return OfOneSecond(height, SIZE, Viscoelastic(E_STAR, (1e10,), (1.0,)), the_law)
-    return rough_contact(height, SIZE, E_STAR, the_law, **own, **options)
+        return of_one_second(height, SIZE, Viscoelastic(E_STAR, (1e10,), (1.0,)), the_law)
+    return rough_contact(height, SIZE, solid, the_law, **own, **options)
 
 
 def elastic_pressure(solid, grid, displacement, mean_stiffness=0.0):
@@ -211,29 +207,20 @@ def test_translation_mirror_rotation_offset_and_units_change_nothing_else(the_la
     assert found.iterations == expected.iterations, "units change no number of iterations"
 
 
-BODIES = {
-    "wall": (HALF_SPACE, HardWall(), {}),
-    "adhesive": (HALF_SPACE, law(1.0), {}),
-    "outside a wall": (HALF_SPACE, EVERY_LAW["exponential"], {}),
-    "layer": (Layer(E_STAR, 0.3, 0.2 * SIZE), law(1.0), {}),
-    "wall on a layer": (Layer(E_STAR, 0.3, 0.05 * SIZE), HardWall(), {}),
-    "free": (HALF_SPACE, law(1.0), {"boundary": "free"}),
-    "free wall": (HALF_SPACE, HardWall(), {"boundary": "free"}),
-    "plastic": (HALF_SPACE, HardWall(), {"hardness": 0.05 * E_STAR}),
-}
-
-
-@pytest.mark.parametrize(("solid", "the_law", "options"), BODIES.values(), ids=BODIES)
-def test_the_work_of_the_load_is_stored_or_spent_on_yielding(solid, the_law, options):
+@pytest.mark.parametrize(
+    ("kind", "solid"),
+    [(kind, HALF_SPACE) for kind in KINDS if kind != "viscoelastic"]
+    + [("adhesive", Layer(E_STAR, 0.3, 0.2 * SIZE)), ("wall", Layer(E_STAR, 0.3, 0.05 * SIZE))],
+)
+def test_the_work_of_the_load_is_stored_or_spent_on_yielding(kind, solid):
     """−∫p ds by the trapezoidal rule: of second order in the steps."""
 
     def unaccounted(steps):
-        contact = rough_contact(SMALL, SIZE, solid, the_law, tolerance=1e-11, **options)
-        pressures = np.linspace(2e9, 2.1e9, steps + 1)
+        contact, pressures = contact_of(kind, solid=solid, tolerance=1e-11), np.linspace(2e9, 2.1e9, steps + 1)
         found = stepped(contact, pressures)
         energy = np.array([one.elastic_energy + one.interaction_energy for one in found])
-        if "hardness" in options:
-            energy += options["hardness"] * np.array([one.plastic_indentation.mean() for one in found])
+        if kind == "plastic":
+            energy += KINDS[kind][1]["hardness"] * np.array([one.plastic_indentation.mean() for one in found])
         work = -np.trapezoid(pressures, [separation_of(one, solid) for one in found])
         return (work - (energy[-1] - energy[0])) / work
 
@@ -389,7 +376,7 @@ PATHS = {
     "far away": (few(LennardJones104(1e-3, 3.4e-10), height=6 * ROUGH), (1.0, 100.0)),
     "after a heavy one": (few(LennardJones104(0.05, 3.28e-10)), (1e8, 1e3, -10.0, 1.0)),
     "yielded": (few(HardWall(), hardness=1e9), (1e8, 1.0)),
-    "in time": (partial(OfOneSecond, ROUGH, WIDE, Viscoelastic(STIFF, (STIFF,), (1.0,)), SHORT), LIGHT),
+    "in time": (partial(of_one_second, ROUGH, WIDE, Viscoelastic(STIFF, (STIFF,), (1.0,)), SHORT), LIGHT),
     **{f"free {one}": (few(one, boundary="free"), LIGHT) for one in (HardWall(), SHORT, BED)},
     **{f"layer {one}": (few(one, Layer(STIFF, 0.3, 1e-7)), LIGHT) for one in (HardWall(), SHORT, BED)},
     "threads": (few(SHORT, threads=2), LIGHT),
@@ -410,17 +397,6 @@ def test_stresses_below_the_tolerance_are_in_balance(load):
     assert found.pressure.max() < 1e-7 * STIFF
     elastic = elastic_pressure(HalfSpace(STIFF / WIDE), ROUGH_GRID, found.displacement)
     np.testing.assert_allclose(elastic + load, found.pressure, atol=2e-4 * found.pressure.max())
-
-
-@pytest.mark.parametrize("the_law", [SHORT, LennardJones104(0.05, 1e-9)])
-def test_a_load_that_rounding_hides_is_none(the_law):
-    contact = few(the_law)()
-    state = contact.step(contact.separated(), 1e6).state
-    unloaded = contact.step(state, 0.0)
-    for load in (1e-7, -1e-12):
-        found = contact.step(state, load)
-        assert found.converged
-        np.testing.assert_allclose(found.gap, unloaded.gap, atol=1e-6 * the_law.length)
 
 
 LAW = LennardJones104(work_of_adhesion=0.2, length=3.28e-10)

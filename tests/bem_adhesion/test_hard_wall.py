@@ -12,7 +12,7 @@ from bem_adhesion.hard_wall.preconditioner import Extension
 from bem_adhesion.solution import Outcome
 from contact_study.physics.solids import HalfSpace, Layer
 from scripts import benchmark_hard_wall
-from tests.bem_adhesion.paper_system import E_STAR, SIZE, approach_of, random_heights, self_affine, stepped, wall_at
+from tests.bem_adhesion.paper_system import E_STAR, SIZE, approach_of, random_heights, self_affine, stepped
 
 HALF_SPACE = HalfSpace(E_STAR)
 
@@ -84,7 +84,8 @@ def test_conditions_hold_on_every_step_of_a_path_even_on_noise(shape, exponent, 
 def test_any_small_problem(rows, columns, exponent, log_pressure, seed):
     height, grid = random_heights((rows, columns), exponent, seed)
     pressure = np.exp(log_pressure)
-    assert_complementary(wall_at(height, grid, pressure, 1.0), height, grid, HalfSpace(1.0), pressure)
+    [found] = stepped(HardWallContact(height, grid, 1.0), [pressure])
+    assert_complementary(found, height, grid, HalfSpace(1.0), pressure)
 
 
 @pytest.mark.parametrize("cutoff_mode", [12, 64])
@@ -109,7 +110,7 @@ def test_full_contact_is_the_linear_solution(fraction):
     height, grid = self_affine(64)
     linear = np.fft.irfft2(0.5 * E_STAR * grid.wavenumber * np.fft.rfft2(height), grid.shape)
     pressure = -linear.min() * fraction * (1 + 1e-12)
-    found = wall_at(height, grid, pressure)
+    [found] = stepped(HardWallContact(height, grid, E_STAR), [pressure])
     assert not found.gap.any()
     np.testing.assert_allclose(found.pressure, linear + pressure, atol=1e-13 * (pressure + linear.max()))
     closed = stepped(HardWallContact(height, grid, E_STAR, "gap"), [0.0])[0]

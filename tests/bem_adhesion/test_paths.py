@@ -9,12 +9,7 @@ import contact_study
 from bem_adhesion import Dugdale, HardWall, LennardJones104, rough_contact
 from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.study.paths import (
-    EnergyLedger,
-    _skips_pull_off,
-    _turns_too_sharply,
-    adaptive_step,
-)
+from bem_adhesion.study.paths import EnergyLedger, _skips_pull_off, _turns_too_sharply, adaptive_step
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from theory.references import maugis_dugdale_contact, maugis_dugdale_pull_off
@@ -25,13 +20,10 @@ SOLID = HalfSpace(E_STAR)
 LAW = LennardJones104(0.69, R0)
 
 
-def start(contact):
-    return contact.separated(), EnergyLedger(0.0, 0.0, float(contact.separated().mean()), 0.0, False)
-
-
 def test_flat_surfaces_jump_in_for_their_work_of_adhesion_and_let_go_at_the_peak():
     contact = rough_contact(np.zeros((8, 8)), 4e-9, SOLID, LAW)
-    state, account = start(contact)
+    state = contact.separated()
+    account = EnergyLedger(0.0, 0.0, float(state.mean()), 0.0, False)
     least = 0.01 * LAW.peak_tensile_stress
     found, (*_, account) = adaptive_step(contact, state, account, 0.1 * LAW.peak_tensile_stress, least, SOLID)
     # Under no more than the least pressure, whose work over the reach of 3.6 r0 is what is left: Δγ + p Δs/2.
