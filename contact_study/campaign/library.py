@@ -115,39 +115,34 @@ def run(
 
 
 def _study(study: Mapping[str, Any] | str | Path, folder: Path) -> Study:
+    """Read or make a study; a height array goes to a file in the folder."""
     if isinstance(study, str | Path):
         return read_study(study)
     if not isinstance(study, Mapping):
         raise InputError(f"study = {study!r}: expected a mapping of sections or the path of a study file")
     study = with_keys(study)
     surface = study.get("surface")
-    if isinstance(surface, Mapping) and "heights" in surface:
-        return make_study(_plain({**study, "surface": _as_map(surface, folder)}), folder)
-    return make_study(_plain(study))
-
-
-def _in_python(message: str) -> str:
-    """Replace the commands' options in a message by arguments of :func:`run`."""
-    flags = re.sub(r"(?<![\w./-])--(resume|overwrite)\b", r"\1=True", message)
-    return re.sub(r"(?<![\w./-])--(?=[a-z])", "", flags)
-
-
-def _as_map(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Write a height array to a file; return the section of this height map."""
+    if not isinstance(surface, Mapping) or "heights" not in surface:
+        return make_study(_plain(study))
     for key in ("path", "height_unit"):
         if key in surface:
             raise InputError(f"surface.{key}: does not go with surface.heights, an array in m")
     if surface.get("kind", "file") != "file":
         raise InputError(f'surface.kind = {surface["kind"]!r}: surface.heights are a surface of kind "file"')
     heights = surface["heights"]
-    if _is_quantity(heights):
-        try:
-            heights = heights.m_as("m")
-        except TypeError as error:  # pint's own
-            raise InputError(f"surface.heights: {error}") from None
+    try:
+        heights = heights.m_as("m") if _is_quantity(heights) else heights
+    except TypeError as error:  # pint's own
+        raise InputError(f"surface.heights: {error}") from None
     np.save(folder / _HEIGHTS, field("surface.heights", heights))
     others = {key: value for key, value in surface.items() if key != "heights"}
-    return {**others, "kind": "file", "path": _HEIGHTS}
+    return make_study(_plain({**study, "surface": {**others, "kind": "file", "path": _HEIGHTS}}), folder)
+
+
+def _in_python(message: str) -> str:
+    """Replace the commands' options in a message by arguments of :func:`run`."""
+    flags = re.sub(r"(?<![\w./-])--(resume|overwrite)\b", r"\1=True", message)
+    return re.sub(r"(?<![\w./-])--(?=[a-z])", "", flags)
 
 
 def _plain(value: Any) -> Any:

@@ -31,12 +31,6 @@ class Need:
     advice: str
 
 
-def grid_need(case: "Case") -> Need:
-    """Memory of a simulation on the grid of a case."""
-    shape = case.surface.shape or (0, 0)
-    return Need(on_grid(shape), f"surface.shape = {list(shape)}", "fewer points")
-
-
 def on_grid(shape: tuple[int, int]) -> float:
     """Memory (bytes) of a simulation on a grid of this shape."""
     return float(shape[0] * shape[1] * _BYTES_PER_POINT)

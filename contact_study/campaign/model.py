@@ -4,7 +4,7 @@ import importlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from contact_study.campaign.memory import Need, grid_need
+from contact_study.campaign.memory import Need, on_grid
 from contact_study.inputs.errors import InputError
 
 if TYPE_CHECKING:
@@ -43,8 +43,9 @@ class Model:
 
     def needs(self, case: "Case") -> Need:
         """Return the largest memory that a case needs; raises InputError if the model cannot run it."""
-        own = getattr(self.code, "needs", None)
-        return max([grid_need(case), *(own(case) if own else ())], key=lambda need: need.size)
+        shape, own = case.surface.shape or (0, 0), getattr(self.code, "needs", None)
+        grid = Need(on_grid(shape), f"surface.shape = {list(shape)}", "fewer points")
+        return max([grid, *(own(case) if own else ())], key=lambda need: need.size)
 
 
 _YANG = "C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)"

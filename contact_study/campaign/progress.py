@@ -44,12 +44,18 @@ class Progress:
 
     def step(self, label: str, point: str, summary: dict[str, Any], seconds: float | None) -> None:
         """Count one more finished step, at a point of the path of the case with this label; without seconds it runs."""
-        where = f"{label}: {point}" if label else point
+        where, now = f"{label}: {point}" if label else point, time.monotonic()
         if seconds is None:
-            self._show_life(where, summary)
+            residual = "" if summary["residual"] is None else f", residual {summary['residual']:.1e}"
+            text = f"iteration {summary['iterations']}{residual}{self._time_left(now)}; {where}"
+            if self._bar is not None:
+                self._bar.set_postfix_str(text)
+            elif now - self._quiet_since >= _HALF_MINUTE:
+                self._quiet_since = now
+                self.report(f"[{self.done}/{self.total}] at work: {text}")
             return
         self.done += 1
-        self._quiet_since = time.monotonic()
+        self._quiet_since = now
         area = summary.get("relative_contact_area")
         if summary.get("detached"):
             where += f", {summary.get('message') or 'detached'}"
@@ -62,17 +68,6 @@ class Progress:
             self._bar.update()
         else:
             self.report(f"[{self.done}/{self.total}] {where} ({seconds:.1f} s)")
-
-    def _show_life(self, where: str, summary: dict[str, Any]) -> None:
-        """Show the work on a step: always on a terminal, every half minute elsewhere."""
-        now = time.monotonic()
-        residual = "" if summary["residual"] is None else f", residual {summary['residual']:.1e}"
-        text = f"iteration {summary['iterations']}{residual}{self._time_left(now)}; {where}"
-        if self._bar is not None:
-            self._bar.set_postfix_str(text)
-        elif now - self._quiet_since >= _HALF_MINUTE:
-            self._quiet_since = now
-            self.report(f"[{self.done}/{self.total}] at work: {text}")
 
     def _time_left(self, now: float) -> str:
         """Estimate the time for all steps: by those that this run has finished, before by what is usual."""

@@ -20,9 +20,6 @@ from contact_study.numerics.distributions import Bins
 from contact_study.study.case import Case
 from contact_study.study.load_steps import path_points_of
 
-# Fingerprint of the gap field that a step started from.
-_START = "predictor_field"
-
 # Why the bins of a finished distribution do not serve.
 COARSER_BINS = "the bins of its distributions were coarser than those asked for now"
 
@@ -152,7 +149,7 @@ def _check_starts(run: Run, matches: Mapping[int, Match], earlier: Callable[[int
         case = run.study.cases[number]
         fields = GapFields(run.predictor, case)
         for step in range(found.steps):
-            before = earlier(found.earlier).step_text(step, _START)
+            before = earlier(found.earlier).step_text(step, "predictor_field")
             if before is None:  # not finished
                 break
             if before != fields.fingerprint(step):

@@ -95,7 +95,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         restart = (kept.state(start - 1) or None) if start else None
         if partial := kept.partial(start):
             averages = Averages.restored(partial, job.bins, start in case.kept_fields)
-            restart = restart if averages is None else restart_of(partial)
+            restart = restart if averages is None else _part(partial, _RESTART)
         gaps = None
         if job.predictor is not None:
             from contact_study.campaign.dataset.predictor import GapFields  # and xarray, which is slow to import
@@ -298,11 +298,6 @@ def _too_short(counted: int, interval: float, memory: str, unresolved: Mapping[s
         f"{words} the autocorrelation time of {name}{more}, {least} at least: their standard errors need a series of "
         f"twenty such times; raise {'dynamics.duration' if moving else 'sampling.trajectories'}"
     )
-
-
-def restart_of(kept: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The restart of the last state in :attr:`Averages.kept`."""
-    return _part(kept, _RESTART)
 
 
 def _part(kept: Mapping[str, np.ndarray], prefix: str) -> dict[str, np.ndarray]:

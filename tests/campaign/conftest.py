@@ -2,6 +2,7 @@
 
 import shutil
 from contextlib import contextmanager
+from unittest.mock import Mock
 
 import pytest
 import tomli_w
@@ -81,10 +82,8 @@ def after_step(monkeypatch):
 
 
 def fail(error):
-    def failing(*_, **__):
-        raise error
-
-    return failing
+    """A function that raises this."""
+    return Mock(side_effect=error)
 
 
 interrupt = fail(KeyboardInterrupt)

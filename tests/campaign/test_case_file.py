@@ -1,8 +1,5 @@
 """The file of a case: what is kept, for how long, and who may write."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -67,22 +64,6 @@ def test_states_that_serve_nobody_do_not_pile_up(path, monkeypatch):
     assert [*path.parent.iterdir()] == [path]
 
 
-def test_a_state_that_is_lost_costs_steps_back_to_the_last_one(path):
-    with CaseWriter(path, 3, last_state=True) as file:
-        for number in range(3):
-            file.save_step(number, step(number))
-    content = bytearray(path.read_bytes())
-    content[CaseFile(path)._records[b"stat", 2].end - 1] ^= 1
-    path.write_bytes(content)
-    file = CaseFile(path)
-    file.check()
-    assert file.damaged
-    assert file.finished(3, last_state=True) == 2, "the state before it is still there"
-    assert file.finished(3, last_state=False) == 3, "nobody wants it"
-    with CaseWriter(path, 3, last_state=True) as file:
-        assert file.start == 2
-
-
 def test_who_takes_up_a_case_has_it_to_himself(path):
     with CaseWriter(path, 3, last_state=True) as first:
         first.save_step(0, step(0))
@@ -93,27 +74,3 @@ def test_who_takes_up_a_case_has_it_to_himself(path):
             second.save_step(1, step(1))
     assert CaseFile(path).step(1)[0]["iterations"] == 1
     assert not CaseFile(path).damaged
-
-
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a disk that is always full")
-def test_a_full_disk_is_named(path):
-    path.write_bytes(b"")
-    with CaseWriter(path, 3, last_state=True) as file:
-        file._stream.close()
-        file._stream = Path("/dev/full").open("wb")  # noqa: SIM115, closed as the case's own file is
-        with pytest.raises(OSError, match=r"a\.case: cannot be written \(No space left on device\)"):
-            file.save_step(0, step(0))
-
-
-def test_what_is_kept_of_a_file(path):
-    for first, partial, kinds in ((2, True, 5), (2, False, 4), (1, False, 2), (0, False, 0)):
-        path.unlink(missing_ok=True)
-        with CaseWriter(path, 3, last_state=True) as file:
-            file.save_constants({})
-            file.save_step(0, step(0))
-            file.save_step(1, step(1))
-            file.save_partial(2, {})
-        file.keep(first, partial)
-        found = CaseFile(path)._records
-        assert len(found) == (kinds + 1 if first else 0), found
-        assert file._records == found

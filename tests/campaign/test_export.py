@@ -83,55 +83,34 @@ def test_stresses_follow_from_the_positions(dataset, tmp_path):
     assert "masses" not in ase_io.read(path, index=0).arrays
 
 
-def test_atoms_are_those_of_the_state(dataset):
-    at = dataset.isel(step=0)
-    assert at.normal_stress.mean().item() == pytest.approx(1e9, rel=1e-6)  # the solver's tolerance over 1 GPa
-    # The surface is a sum of few waves: its spectrum on any grid gives its height at any position.
-    spectrum = np.fft.fft2(dataset.height.values) / dataset.height.size
-    modes = 2j * np.pi * np.fft.fftfreq(16) * 16 / 41.6e-10
-    moved_x = (dataset.x + at.lateral_displacement_x).transpose("y", "x").values
-    moved_y = (dataset.y + at.lateral_displacement_y).transpose("y", "x").values
-    below = np.einsum(
-        "jk,yxj,yxk->yx", spectrum, np.exp(modes * moved_y[..., None]), np.exp(modes * moved_x[..., None])
-    ).real
-    area = np.mean(at.atom_height.values - below <= dataset.contact_distance.item())
-    assert area == at.relative_contact_area.item()
-    assert np.abs(at.lateral_displacement_x).max() > 0.01 * SPACING
-
-
 def test_explicit_block_has_its_levels_and_velocities(moved, tmp_path):
     ase_io = pytest.importorskip("ase.io", reason="extra xyz")
-    case = make_study(moving()).cases[0]
-    block = build_block(case)
+    block = build_block(make_study(moving()).cases[0])
     assert len(block.levels) > 1
     (path,) = to_xyz(moved, tmp_path / "block.*.xyz")
     assert path.name == "block.0000.xyz"
     frame = ase_io.read(path)
     nodes = frame[frame.arrays["level"] >= 0]
     assert not nodes.get_velocities().any()  # as docs/howto_export.md says
-    level = nodes.arrays["level"]
-    counts = [shape[1] - (number + 1 < len(block.levels)) for number, shape in enumerate(b.shape for b in block.levels)]
+    level, velocity, surface = nodes.arrays["level"], nodes.arrays["velo"], moved.isel(step=0)
+    counts = [own.shape[1] - (number + 1 < len(block.levels)) for number, own in enumerate(block.levels)]
     assert np.bincount(level).tolist() == [planes * (16 >> n) ** 2 for n, planes in enumerate(counts)]
     # Layers stand one above the other, each a cell of its level over the one below; the block is hardly deformed yet.
     for number, edge in enumerate(2.6 * 2.0 ** np.arange(len(counts))):
         own = nodes.positions[level == number].reshape(counts[number], 16 >> number, 16 >> number, 3)
         for axis, along in ((0, 2), (1, 1), (2, 0)):
             np.testing.assert_allclose(np.diff(own[..., along], axis=axis), edge, atol=0.2)
-    surface = moved.isel(step=0)
     np.testing.assert_allclose(nodes.positions[:256, 2] * ANGSTROM, surface.atom_height.values.ravel(), atol=DIGITS)
-    np.testing.assert_allclose(
-        nodes.arrays["velo"][:256, 0] * 100, surface.velocity_x.values.ravel(), atol=100 * DIGITS
-    )
+    np.testing.assert_allclose(velocity[:256, 0] * 100, surface.velocity_x.values.ravel(), atol=100 * DIGITS)
     mass = constants.atomic_mass * nodes.get_masses()
-    kinetic = np.sum(mass[:, None] * (100 * nodes.arrays["velo"]) ** 2)
+    kinetic = np.sum(mass[:, None] * (100 * velocity) ** 2)
     assert 0.5 * kinetic / 41.6e-10**2 == pytest.approx(surface.kinetic_energy.item(), rel=1e-6)
-    np.testing.assert_allclose(nodes.arrays["velo"][block.nodes_of(block.mass)[0] == 0, 2], nodes.arrays["velo"][-1, 2])
-    assert nodes.arrays["velo"][-1, 2] < -1.0  # still coming down, Å/ps
+    np.testing.assert_allclose(velocity[block.nodes_of(block.mass)[0] == 0, 2], velocity[-1, 2])
+    assert velocity[-1, 2] < -1.0  # still coming down, Å/ps
 
 
 def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
-    study, kept = still(), tmp_path / "md.nc"
-    without = {**study, "output": {}, "loading": {"path": ["1 GPa"]}}
+    kept, without = tmp_path / "md.nc", {**still(), "output": {}, "loading": {"path": ["1 GPa"]}}
     assert "atom_height" not in contact_study.run(without, "atomistic", output=kept)
     with_atoms = {**without, "output": {"atoms": "surface"}}
     with pytest.warns(UserWarning, match=r"output\.atoms = surface: the earlier run did not keep its atoms"):
@@ -141,21 +120,18 @@ def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
     with pytest.raises(ValueError, match=r'output\.atoms = "block".*use "surface"'):
         check(make_study({**without, "output": {"atoms": "block"}}).cases[0])
     contact_study.run(without, output=tmp_path / "bem.nc")
-    with warnings.catch_warnings():  # the continuum knows no atoms: nothing is computed anew
-        warnings.simplefilter("error")
+    with warnings.catch_warnings(action="error"):  # the continuum knows no atoms: nothing is computed anew
         contact_study.run(with_atoms, output=tmp_path / "bem.nc", resume=True)
 
 
 def test_picture_shows_the_row_under_the_largest_tension(dataset):
     state = dataset.isel(step=0)
     row, column = np.unravel_index(state.normal_stress.values.argmin(), (16, 16))
-    axes = plots.atoms(state)
-    sites, atoms = axes.collections
+    sites, atoms = plots.atoms(state).collections
     np.testing.assert_allclose(np.sort(atoms.get_array()), np.sort(state.normal_stress[row] / 1e9), rtol=1e-12)
-    middle = atoms.get_offsets()[np.argmin(atoms.get_array())]
     at = state.isel(y=row, x=column)
-    told = [at.x + at.lateral_displacement_x, at.atom_height]
-    np.testing.assert_allclose(middle * 1e-9, [float(value) for value in told], rtol=1e-9)
+    told = [float(at.x + at.lateral_displacement_x), float(at.atom_height)]
+    np.testing.assert_allclose(atoms.get_offsets()[np.argmin(atoms.get_array())] * 1e-9, told, rtol=1e-9)
     y = float(at.y + state.lateral_displacement_y[row].mean())
     below = state.substrate_height.sel(site_y=y, method="nearest")
     np.testing.assert_allclose(np.sort(sites.get_offsets()[:, 1]) * 1e-9, np.sort(below), rtol=1e-9)
@@ -165,23 +141,17 @@ def test_picture_shows_the_row_under_the_largest_tension(dataset):
         plots.atoms(state.drop_vars("normal_stress"))
 
 
-def test_comparison_reads_the_atoms_of_its_state(dataset):
-    inputs = read_inputs([pathlib.Path(dataset.encoding["source"])])
-    assert "normal_stress" not in inputs.models["atomistic"]  # fields stay in the file
+@pytest.mark.validation
+def test_comparison_reads_the_atoms_of_its_state(dataset, tmp_path):
+    source = pathlib.Path(dataset.encoding["source"])
+    inputs = read_inputs([source])
     held, torn = (panel_points(inputs.models, pressure) for pressure in (0.5e9, -3.5e9))
     found = read_atoms(inputs, held.case, held.common, None)
-    assert set(NEEDED) <= set(found.variables)
     for name in NEEDED:
         np.testing.assert_array_equal(found[name], dataset[name].isel(step=1, missing_dims="ignore"))
     assert read_atoms(inputs, torn.case, torn.common, None) is None  # torn off
-
-
-@pytest.mark.validation
-def test_report_has_the_picture(dataset, tmp_path):
-    made = [str(dataset.encoding["source"]), "-o", str(tmp_path / "out.nc"), "--figures", str(tmp_path / "figures")]
-    assert contact_compare([*made, "--report", str(tmp_path / "report.html")]) == 0
-    assert list((tmp_path / "figures").glob("*_atoms.png"))
-    assert "Bottom layer of the block over the sites" in (tmp_path / "report.html").read_text()
+    assert contact_compare([str(source), "-o", str(tmp_path / "out.nc"), "--figures", str(tmp_path)]) == 0
+    assert list(tmp_path.glob("*_atoms.png"))
 
 
 def image(path):

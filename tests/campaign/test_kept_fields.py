@@ -54,19 +54,16 @@ def test_chosen_points_in_single_precision(whole, tmp_path, name):
         plots.gap_map(found.isel(step=2))
 
 
-NOT_KEPT = [
-    ({"field_steps": [0, 5]}, r"output\.field_steps: 5 is no point of the path, which has 5: 0 to 4"),
-    ({"field_steps": [-6]}, r"output\.field_steps: -6 is no point"),
-    ({"field_steps": [0.5]}, r"output\.field_steps\[0\] = 0\.5: expected a whole number"),
-    ({"field_steps": []}, r"output\.field_steps = \[\]: is empty"),
-    ({"field_precision": "half"}, r"output\.field_precision = 'half': expected one of double, single"),
-    ({"fields": False, "field_steps": [0]}, r"output\.field_steps: no fields are kept; set output\.fields = true"),
-    ({"fields": False, "field_precision": "single"}, r"output\.field_precision: no fields are kept"),
-]
-
-
 def test_what_cannot_be_kept_is_named():
-    for output, words in NOT_KEPT:
+    for output, words in (
+        ({"field_steps": [0, 5]}, r"output\.field_steps: 5 is no point of the path, which has 5: 0 to 4"),
+        ({"field_steps": [-6]}, r"output\.field_steps: -6 is no point"),
+        ({"field_steps": [0.5]}, r"output\.field_steps\[0\] = 0\.5: expected a whole number"),
+        ({"field_steps": []}, r"output\.field_steps = \[\]: is empty"),
+        ({"field_precision": "half"}, r"output\.field_precision = 'half': expected one of double, single"),
+        ({"fields": False, "field_steps": [0]}, r"output\.field_steps: no fields are kept; set output\.fields = true"),
+        ({"fields": False, "field_precision": "single"}, r"output\.field_precision: no fields are kept"),
+    ):
         with pytest.raises(InputError, match=words):
             make_study(study(**output))
 

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from contact_study.campaign.dataset.work_directory import WorkDirectory
-from contact_study.campaign.store import records
+from contact_study.campaign.store import case_file
 from tests.campaign.toy_model import TOY, TOY_ATOMS, TOY_OF_WHOLE_PATHS
 from tests.campaign.toy_study import BASE, LONGER, LONGER_PATH, MORE, assert_same, changed, names
 
@@ -27,7 +27,6 @@ FREE = {
 }
 TURNED, FINER = "unloading starts from another point", "coarser than those asked for now"
 LOST = "output.restart = false), or its file bem.nc.restart is missing, of another dataset or damaged"
-EXCEPTION = {"when": {RATIO: 4}, "loading.path": LONGER_PATH["path"]}
 
 # The first study, the steps after which it was stopped (0: never), the next one, the steps then solved, why all anew.
 RESUMED = {
@@ -72,7 +71,7 @@ def test_what_is_gone_on_from_is_what_a_fresh_run_gives(run, built, stopped, tmp
 
 
 def test_widening_goes_on_widening(run, built, tmp_path):
-    exception = {**BASE, "override": [EXCEPTION]}
+    exception = {**BASE, "override": [{"when": {RATIO: 4}, "loading.path": LONGER_PATH["path"]}]}
     for length in (1, 2, 3):
         run(changed(loading={"path": LONGER_PATH["path"][:length]}), "--resume")
     assert run(exception, "--resume")[1] == [("well_depth_ratio = 4.0", 3)]
@@ -145,8 +144,8 @@ KILLED = {
     "folder not removed": (work("remove"), BASE, LONGER, 2),
     "lock not removed": (work("close"), BASE, BASE, 0),
     "folder half removed": ((Path, "unlink", 2, ".case"), BASE, BASE, 0),
-    "cases not all brought": ((records, "append", 6), MORE_AND_LONGER, MORE_AND_LONGER, 6),
-    "widened in part": ((records, "append", 23), MORE_AND_LONGER, MORE_AND_LONGER, 6),
+    "cases not all brought": ((case_file, "append", 6), MORE_AND_LONGER, MORE_AND_LONGER, 6),
+    "widened in part": ((case_file, "append", 23), MORE_AND_LONGER, MORE_AND_LONGER, 6),
     "zarr not renamed": ((Path, "rename", 1, "dataset.zarr"), MORE, MORE, 0),
 }
 
@@ -250,17 +249,15 @@ def test_height_map_that_changes_while_the_study_runs(run, new_map, after_step):
 
 
 def test_predictor_is_widened_with_its_study(finished, run, tmp_path):
-    atoms = {"output": "md.nc", "model": TOY_ATOMS}
     start = ("--predictor", str(tmp_path / "bem.nc"))
-    assert run(BASE, *start, **atoms)[0] == 0
+    run(BASE, *start, output="md.nc", model=TOY_ATOMS)
     run(MORE, "--resume")
-    status, solved, said = run(MORE, *start, "--resume", **atoms)
-    assert (status, len(solved)) == (0, 3), said
+    assert len(run(MORE, *start, "--resume", output="md.nc", model=TOY_ATOMS)[1]) == 3
     run(MORE, *start, output="fresh.nc", model=TOY_ATOMS)
     assert_same(tmp_path / "md.nc", tmp_path / "fresh.nc")
-    with xr.open_dataset(tmp_path / "md.nc") as one, xr.open_dataset(tmp_path / "fresh.nc") as two:
-        assert one.attrs["predictor"] == two.attrs["predictor"]
-        assert len(str(one.predictor_field.values.ravel()[0])) == 64
+    one, two = (xr.load_dataset(tmp_path / name) for name in ("md.nc", "fresh.nc"))
+    assert one.attrs["predictor"] == two.attrs["predictor"]
+    assert len(str(one.predictor_field.values.ravel()[0])) == 64
 
 
 def test_other_fields_of_the_predictor_are_refused(finished, run, begun, tmp_path):

@@ -1,20 +1,15 @@
 """Outputs whose name ends in .zarr: the numbers of the NetCDF file, resumed, joined, compared, started from."""
 
 import sys
-import tomllib
 
 import pytest
 import xarray as xr
 
-from bem_adhesion.study.model import MODEL
-from contact_study.campaign import library
-from contact_study.campaign.model import MODELS
 from contact_study.campaign.record import content_hash
 from contact_study.start import contact_compare as compare
 from contact_study.start import contact_merge as merge
 from tests.campaign.toy_model import TOY_ATOMS
 from tests.campaign.toy_study import WHOLE, assert_same, changed, names
-from tests.report.synthetic import STUDY
 
 pytest.importorskip("zarr")
 pytestmark = pytest.mark.usefixtures("toy_is_the_continuum")
@@ -53,27 +48,23 @@ def test_it_is_a_predictor(run, built, tmp_path):
     with xr.open_dataset(tmp_path / "md-zarr.nc") as dataset:
         assert dataset.attrs["predictor"] == f"bem.zarr sha256:{before}"
     chunk = next((tmp_path / "bem.zarr" / "gap").glob("[0-9]*"))
-    chunk.write_bytes(chunk.read_bytes()[:-1] + b"x")
-    changed_content = content_hash(tmp_path / "bem.zarr")
     chunk.rename(chunk.with_name("9.9.9.9.9"))
-    assert len({before, changed_content, content_hash(tmp_path / "bem.zarr")}) == 3
+    assert content_hash(tmp_path / "bem.zarr") != before
 
 
 @pytest.mark.validation
-@pytest.mark.filterwarnings("ignore:grid too coarse")
-def test_comparison_reads_it_and_writes_none(tmp_path, capsys, monkeypatch):
-    monkeypatch.setitem(MODELS, "continuum", MODEL)
+def test_comparison_reads_it_and_writes_none(built, tmp_path, capsys):
     both = []
     for kind in ("zarr", "nc"):
-        path, output = tmp_path / f"bem.{kind}", tmp_path / f"{kind}.nc"
-        library.run(tomllib.loads(STUDY), output=path)
-        assert compare([str(path), "-o", str(output), "--figures", str(tmp_path / kind)]) == 0
+        output = tmp_path / f"{kind}.nc"
+        assert (
+            compare([str(built(SMALL, name=f"bem.{kind}")), "-o", str(output), "--figures", str(tmp_path / kind)]) == 0
+        )
         with xr.open_datatree(output) as tree:
             both.append(tree["continuum"].to_dataset().drop_vars("wall_time").load())
     xr.testing.assert_equal(*both)
-    assert (tmp_path / "zarr" / "figure_5_gap_map.png").is_file(), "fields are read, too"
     capsys.readouterr()
-    assert compare([str(tmp_path / "bem.zarr"), "-o", str(tmp_path / "no.zarr")]) == 1
+    assert compare([str(built(SMALL)), "-o", str(tmp_path / "no.zarr")]) == 1
     assert "a comparison is written as NetCDF" in capsys.readouterr().err
 
 

@@ -71,10 +71,12 @@ def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
     series, written = VtkGroup(str(folder)), [path]
     for step in range(dataset.sizes["step"]):
         fields = {
-            title: _image(dataset[name].isel(step=step, missing_dims="ignore"), scale)
+            title: scale * dataset[name].isel(step=step, missing_dims="ignore").transpose("x", "y").values.astype(float)
             for name, (title, scale) in _FIELDS.items()
             if name in dataset
         }
+        # Images have the shape (x, y, 1); infinite values become NaN.
+        fields = {title: np.where(np.isfinite(field), field, np.nan)[:, :, None] for title, field in fields.items()}
         if np.all(np.isnan(fields[_FIELDS["pressure"][0]])):
             continue  # beyond the end of a path shorter than others
         image = imageToVTK(str(folder / f"step_{step:04d}"), spacing=(*spacing, max(spacing)), pointData=fields)
@@ -82,12 +84,6 @@ def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
         written.append(Path(image))
     series.save()
     return written
-
-
-def _image(field: xr.DataArray, scale: float) -> np.ndarray:
-    """A field (y, x) as an image (x, y, 1); infinite values become NaN."""
-    values = scale * field.transpose("x", "y").values.astype(float)
-    return np.where(np.isfinite(values), values, np.nan)[:, :, None]
 
 
 def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:

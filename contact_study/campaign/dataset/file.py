@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.engines import CampaignError
-from contact_study.campaign.store import records
+from contact_study.campaign.store.case_file import RecordFile, write_records
 from contact_study.campaign.store.files import engine_of, is_dataset, is_zarr, readable, write_aside
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
@@ -104,10 +104,10 @@ def write_states(path: Path, history: str, states: Iterable[Mapping[str, Any]]) 
     kept = ((_STATE, number, state, None) for number, state in enumerate(states) if state)
     first = next(kept, None)
     if first is not None:
-        records.write(path, itertools.chain([(_OWNER, 0, {}, history), first], kept))
+        write_records(path, itertools.chain([(_OWNER, 0, {}, history), first], kept))
 
 
-class States(records.RecordFile):
+class States(RecordFile):
     """Reader of restart states, and the history of their dataset; None without a readable file."""
 
     def __init__(self, path: Path):
