@@ -1,8 +1,8 @@
 """Files of records; and that of a case while its study runs: constants, warnings, finished steps, the restart state.
 
-A record has numbers and arrays with a checksum; a kill leaves at most the last one incomplete. The state comes before
-its step; a file half full of older states is rewritten without them. A worker that
-opens a case renames a copy to its place: an abandoned one that still runs then writes into a file without a name.
+A record has numbers and arrays with a checksum; a kill leaves at most the last one incomplete. A state comes before its
+step; a file half full of older states is rewritten without them. A worker that opens a case renames a copy to its
+place: an abandoned one that still runs then writes into a file without a name.
 """
 
 import json
@@ -135,7 +135,7 @@ _LEAST_GAIN = 2**20
 
 
 class CaseFile(RecordFile):
-    """Reader of the file of a case; empty if there is none. An incomplete last record, after a kill, is no damage."""
+    """Reader of the file of a case; empty if there is none."""
 
     @property
     def has_steps(self) -> bool:
