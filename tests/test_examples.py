@@ -1,6 +1,5 @@
 """Every example runs as its first lines say, and ends in a figure."""
 
-import re
 import runpy
 from pathlib import Path
 
@@ -10,8 +9,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from contact_study.command_line.verbs.init import example
-
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
@@ -20,14 +17,9 @@ SMALLER = {
     "jkr_sphere": ("points = 60e-9, 288", "points = 60e-9, 64"),
     "hysteresis_loop": ("320, 25", "64, 8"),
     "ensemble": ("samples = 12", "samples = 2"),
-    "atoms_beside_continuum": (
-        "atoms, spacing, modulus, poisson, well, r0 = 64",
-        "atoms, spacing, modulus, poisson, well, r0 = 32",
-    ),
+    "atoms_beside_continuum": ("poisson, well, r0 = 64", "poisson, well, r0 = 32"),
     "pictures": ("[192, 192]", "[96, 96]"),
 }
-
-
 SLOW = dict.fromkeys(("cluster", "room_temperature"), pytest.mark.validation)  # 10 s and more
 
 
@@ -48,14 +40,3 @@ def test_example_draws_its_figure(example, tmp_path, monkeypatch):
     # Something is drawn, in more than black and white.
     assert len(np.unique(np.round(pixels.reshape(-1, 3), 1), axis=0)) > 5
     assert 0.5 < np.mean(pixels) < 0.99
-
-
-def test_python_of_the_readme_runs(tmp_path, monkeypatch):
-    readme = (EXAMPLES[0].parent.parent / "README.md").read_text()
-    (block,) = re.findall(r"```python\n(.*?)```", readme, re.DOTALL)
-    monkeypatch.chdir(tmp_path)
-    Path("study.toml").write_text(example("first").replace("[100, 100]", "[32, 32]").replace("[0.1, 1, 4]", "[1, 4]"))
-    exec(block, names := {})
-    plt.close("all")
-    assert names["result"].relative_contact_area.sizes == {"well_depth_ratio": 2, "step": 6}
-    assert Path("contact_area.png").is_file()

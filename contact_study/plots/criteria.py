@@ -53,7 +53,13 @@ def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") 
         column = "\n".join(filter(None, (name, *words)))
         # Beside it: above it the next column's line may run through.
         axes.annotate(column, (tabor, max(ratios)), xytext=(-5, 0), va="center", **_BESIDE)
-    _fit(axes)
+    # A margin about every column, and one at least of each limit's region in view.
+    points = np.concatenate([line.get_xydata() for line in axes.lines if line.get_linestyle() == "-"][1:])
+    low, high = points.min(axis=0), points.max(axis=0)
+    axes.set_xlim(min(0.2 * low[0], 0.5 * DMT_LIKE), max(2 * high[0], 2 * JKR_LIKE))
+    axes.set_ylim(min(0.5 * low[1], 0.5), max(6 * high[1], 2))
+    for axis in (axes.xaxis, axes.yaxis):
+        plain_decades(axis, False)
     return axes
 
 
@@ -69,13 +75,3 @@ def _draw_regions(axes: Axes) -> None:
     for number, (_, words, marker, _) in enumerate(_CRITERIA):
         axes.plot([], [], marker, color=COLOURS[number], ms=5.5, label=words)
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-
-
-def _fit(axes: Axes) -> None:
-    """Limits with a margin about every column, one at least of each limit's region in view."""
-    points = np.concatenate([line.get_xydata() for line in axes.lines if line.get_linestyle() == "-"][1:])
-    low, high = points.min(axis=0), points.max(axis=0)
-    axes.set_xlim(min(0.2 * low[0], 0.5 * DMT_LIKE), max(2 * high[0], 2 * JKR_LIKE))
-    axes.set_ylim(min(0.5 * low[1], 0.5), max(6 * high[1], 2))
-    for axis in (axes.xaxis, axes.yaxis):
-        plain_decades(axis, False)

@@ -1,6 +1,5 @@
 """Curves along the loading path: contact area, mean gap, and the loop of loading and unloading with its loss."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -84,8 +83,8 @@ def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, symbol: s
     return axes
 
 
-# Of the rectangle about a loop; less than this of it is neither energy nor to be seen.
-_SEEN = 1e-5
+_PRESSURE, _SEPARATION = 0, 1  # rows of a branch
+_SEEN = 1e-5  # of the rectangle about a loop: less is neither energy nor to be seen
 
 
 @picture("One point of the sweep of a simulation, loaded and unloaded.")
@@ -95,18 +94,19 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     The energy is :func:`dissipated_energy`, shaded. Jump-in and pull-off are marked where the dataset has them, and the
     work of separation is named. Where the steps of the path were its own, all states they passed are shown.
     """
-    loop = _loop(dataset)
+    prescribed, (loading, unloading), (shared, forth, back) = _loop(dataset)
+    energy = float(trapezoid(forth - back, shared))
     pressure = pressure_unit(largest(dataset["mean_pressure"]))
     length = length_unit(largest(dataset["mean_separation"]))
     axes = axes_of(axes)
     # Two equal branches differ by the tolerance of their states, of either sign.
-    seen = abs(loop.energy) > _SEEN * np.ptp(loop.shared) * np.ptp([loop.forth, loop.back])
-    words = f"{loop.energy:.3g} J/m² dissipated" if seen else "0 J/m² dissipated: reversible within rounding"
-    upright = loop.prescribed == _PRESSURE
+    seen = abs(energy) > _SEEN * np.ptp(shared) * np.ptp([forth, back])
+    words = f"{energy:.3g} J/m² dissipated" if seen else "0 J/m² dissipated: reversible within rounding"
+    upright = prescribed == _PRESSURE
     along, across = (pressure.size, length.size) if upright else (length.size, pressure.size)
     shade: Any = axes.fill_betweenx if upright else axes.fill_between
-    shade(loop.shared / along, loop.back / across, loop.forth / across, color=COLOURS[0], alpha=0.15, lw=0, label=words)
-    looks = (loop.loading, "o-", COLOURS[0], "loading"), (loop.unloading, "v--", "white", "unloading")
+    shade(shared / along, back / across, forth / across, color=COLOURS[0], alpha=0.15, lw=0, label=words)
+    looks = (loading, "o-", COLOURS[0], "loading"), (unloading, "v--", "white", "unloading")
     for (load, where), look, fill, words in looks:
         axes.plot(where / length.size, load / pressure.size, look, color=COLOURS[0], ms=3.2, mfc=fill, label=words)
     results = ("jump_in_pressure", "jump_in_separation", "pull_off_pressure", "work_of_separation")
@@ -115,7 +115,7 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     if "jump_in_pressure" in known:
         marks.append(("jump-in", "^", known["jump_in_separation"], known["jump_in_pressure"]))
     if "pull_off_pressure" in known:
-        load, where = loop.unloading
+        load, where = unloading
         nearest = where[np.argmin(np.abs(load - known["pull_off_pressure"]))]
         work = f", {known['work_of_separation']:.3g} J/m² of work to separate" if "work_of_separation" in known else ""
         marks.append((f"pull-off{work}", "v", nearest, known["pull_off_pressure"]))
@@ -136,29 +136,15 @@ def dissipated_energy(dataset: xr.Dataset) -> float:
     as exact as these are dense where the contact jumps. Raises ValueError if there is more than one point of the sweep,
     no unloading, or nothing that both branches pass.
     """
-    return _loop(dataset).energy
+    shared, forth, back = _loop(dataset)[-1]
+    return float(trapezoid(forth - back, shared))
 
 
-_PRESSURE, _SEPARATION = 0, 1
+def _loop(dataset: xr.Dataset) -> tuple[int, list[np.ndarray], list[np.ndarray]]:
+    """Return what was prescribed, both branches, rows of pressure and separation in its order, and what both pass.
 
-
-@dataclass(frozen=True)
-class _Loop:
-    """Branches, rows of pressure and separation in the order of the prescribed one; the other over what both pass."""
-
-    prescribed: int
-    loading: np.ndarray
-    unloading: np.ndarray
-    shared: np.ndarray
-    forth: np.ndarray
-    back: np.ndarray
-
-    @property
-    def energy(self) -> float:
-        return float(trapezoid(self.forth - self.back, self.shared))
-
-
-def _loop(dataset: xr.Dataset) -> _Loop:
+    That is the part of the prescribed one that they share, and the other one along it, forth and back.
+    """
     require(dataset, "mean_pressure", "mean_separation", "branch")
     part = dataset.squeeze()
     single(part, "mean_pressure", ("step",), "cycle")
@@ -176,7 +162,7 @@ def _loop(dataset: xr.Dataset) -> _Loop:
     states, turn = states[:, fit], max(turn, 0)
     prescribed = _SEPARATION if "applied_gap" in dataset or "applied_approach" in dataset else _PRESSURE
     both = states[:, : turn + 1], states[:, turn:]
-    loading, unloading = (own[:, np.argsort(own[prescribed], kind="stable")] for own in both)
+    loading, unloading = branches = [own[:, np.argsort(own[prescribed], kind="stable")] for own in both]
     if loading.shape[1] < 2 or unloading.shape[1] < 3:
         raise ValueError("the dataset has no cycle: loading.unload = true makes one")
     one, other = loading[prescribed], unloading[prescribed]
@@ -185,5 +171,8 @@ def _loop(dataset: xr.Dataset) -> _Loop:
         raise ValueError("loading and unloading share no part of the path")
     every = np.unique(np.concatenate([one, other]))
     shared = every[(every >= low) & (every <= high)]
-    forth, back = (np.interp(shared, own[prescribed], own[1 - prescribed]) for own in (loading, unloading))
-    return _Loop(prescribed, loading, unloading, shared, forth, back)
+    return (
+        prescribed,
+        branches,
+        [shared, *(np.interp(shared, own[prescribed], own[1 - prescribed]) for own in branches)],
+    )

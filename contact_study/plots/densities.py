@@ -1,7 +1,5 @@
 """Distributions of stress and gap, the spectrum of the surface, and Persson's theory against magnification."""
 
-from collections.abc import Callable
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -25,34 +23,32 @@ from contact_study.plots.style import (
 )
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
-# Variables with the self-affine law of the surface.
-_LAW = ("fitted_hurst_exponent", "fitted_hurst_exponent_error", "fitted_roll_off", "fitted_cutoff")
+_LAW = ("fitted_hurst_exponent", "fitted_hurst_exponent_error", "fitted_roll_off", "fitted_cutoff")  # of the surface
 _LEAST = 1e-8  # of the largest density: theories' tails go on for ever
 _COLOURED = 1e-4  # of the largest density, down to which colours distinguish it
+# Of a distribution: its axis' unit and symbol, and its own symbol.
+_DENSITIES = {
+    "pressure": (pressure_unit, r"stress $\sigma$", r"P(\sigma)"),
+    "gap": (length_unit, "gap $u$", "P(u)"),
+}
 _FEW = 100.0  # magnifications up to which 2 and 5 are written beside the powers of ten
 
 
 @picture("Of any model.")
 def stress_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Probability density of the local pressure, a line for each state: select those to be shown."""
-    return _densities(dataset, "pressure_pdf", "pressure_bin", pressure_unit, r"stress $\sigma$", r"P(\sigma)", axes)
+    return _densities(dataset, "pressure", axes)
 
 
 @picture("Of any model.")
 def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Probability density of the local gap."""
-    return _densities(dataset, "gap_pdf", "gap_bin", length_unit, "gap $u$", "P(u)", axes)
+    return _densities(dataset, "gap", axes)
 
 
-def _densities(
-    dataset: xr.Dataset,
-    name: str,
-    along: str,
-    unit_of: Callable[[float], Unit],
-    symbol: str,
-    density: str,
-    axes: Axes | None,
-) -> Axes:
+def _densities(dataset: xr.Dataset, of: str, axes: Axes | None) -> Axes:
+    name, along = f"{of}_pdf", f"{of}_bin"
+    unit_of, symbol, density = _DENSITIES[of]
     require(dataset, name)
     axes = axes_of(axes)
     every = [(words, part[name].values) for words, part in lines(dataset.squeeze(), name, along)]
@@ -83,12 +79,9 @@ def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     spectrum = statistics.roughness_of_sample(surface["height"].values, grid).spectrum
     if not spectrum.density.any():
         raise ValueError("the surface is flat: it has no spectrum")
-    if set(_LAW) <= set(surface):
-        fit: statistics.SelfAffineFit | None = statistics.law_through(
-            spectrum, *(float(surface[name]) for name in _LAW)
-        )
-    else:
-        fit = statistics.self_affine_fit(spectrum)
+    law = [float(surface[name]) for name in _LAW if name in surface]
+    given = len(law) == len(_LAW)
+    fit = statistics.law_through(spectrum, *law) if given else statistics.self_affine_fit(spectrum)
     return draw_spectrum(spectrum, fit, axes_of(axes))
 
 
@@ -110,8 +103,7 @@ def draw_spectrum(spectrum: statistics.PowerSpectrum, fit: statistics.SelfAffine
 @picture("Of Persson's theory.")
 def area_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Apparent relative contact area A(ζ), a line for each state: select those to be shown."""
-    words = r"contact area $A(\zeta)/A_0$"
-    axes = _magnified(dataset, "relative_contact_area_at", lambda most: Unit("", 1.0), words, axes)
+    axes = _magnified(dataset, "relative_contact_area_at", r"contact area $A(\zeta)/A_0$", axes)
     axes.set_ylim(0, None)
     return axes
 
@@ -119,27 +111,27 @@ def area_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes
 @picture("Of Persson's theory.")
 def detachment_stress(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Detachment stress σ_a(ζ)."""
-    return _magnified(dataset, "detachment_stress", pressure_unit, r"detachment stress $\sigma_\mathrm{a}$", axes)
+    return _magnified(dataset, "detachment_stress", r"detachment stress $\sigma_\mathrm{a}$", axes)
 
 
 @picture("Of Persson's theory.")
 def effective_work_of_adhesion(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Effective work of adhesion γ_eff(ζ)."""
-
-    def unit_of(most: float) -> Unit:
-        return Unit("J/m²", 1.0) if most >= 0.1 else Unit("mJ/m²", 1e-3)
-
-    axes = _magnified(dataset, "effective_work_of_adhesion", unit_of, r"work of adhesion $\gamma_\mathrm{eff}$", axes)
+    axes = _magnified(dataset, "effective_work_of_adhesion", r"work of adhesion $\gamma_\mathrm{eff}$", axes)
     if axes.get_ylim()[0] < 0 < axes.get_ylim()[1]:
         axes.axhline(0, color="#909090", lw=0.7, zorder=1)
     return axes
 
 
-def _magnified(dataset: xr.Dataset, name: str, unit_of: Callable[[float], Unit], words: str, axes: Axes | None) -> Axes:
+def _magnified(dataset: xr.Dataset, name: str, words: str, axes: Axes | None) -> Axes:
     require(dataset, name)
     axes = axes_of(axes)
     squeezed = dataset.squeeze()
-    unit = unit_of(largest(squeezed[name]))
+    most, unit = largest(squeezed[name]), Unit("", 1.0)
+    if name == "detachment_stress":
+        unit = pressure_unit(most)
+    elif name == "effective_work_of_adhesion":
+        unit = Unit("J/m²", 1.0) if most >= 0.1 else Unit("mJ/m²", 1e-3)
     for number, (label, part) in enumerate(lines(squeezed, name, "wavevector", "wavevector_index")):
         q, y = part["wavevector"].values, part[name].values / unit.size
         there = np.isfinite(q)

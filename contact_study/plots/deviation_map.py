@@ -30,13 +30,13 @@ def deviations(
     if pair not in pairs:
         raise ValueError(f"pair = {pair!r}: the dataset has {', '.join(pairs)}")
     chosen = dataset.sel(pair=pair)
-    rows = list(lines(chosen, name, "step"))
-    paths = [_path(part) for _, part in rows]
-    points = sorted({point for path in paths for point in path})
-    values = np.full((len(rows), len(points)), np.nan)
-    for row, (path, (_, part)) in enumerate(zip(paths, rows, strict=True)):
-        for point, step in path.items():
-            values[row, points.index(point)] = 100 * float(part[name].values[step])
+    what, unit_of = ("pressure", pressure_unit) if "applied_pressure" in chosen else ("gap", length_unit)
+    rows = []
+    for words, part in lines(chosen, name, "step"):  # another case may have other points of the path
+        own = zip(*(part[each].values for each in ("branch", f"applied_{what}", name)), strict=True)
+        rows.append((words, {(int(side), float(at)): 100 * float(value) for side, at, value in own if np.isfinite(at)}))
+    points = sorted({point for _, row in rows for point in row})
+    values = np.array([[row.get(point, np.nan) for point in points] for _, row in rows])
     limit = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
     axes = axes_of(axes, DOUBLE, 0.9 + 0.35 * len(rows))
     colours = matplotlib.colormaps["RdBu_r"].with_extremes(bad="#eeeeee")
@@ -46,23 +46,11 @@ def deviations(
             colour = "white" if abs(value) > _DARK * limit else "black"
             axes.annotate(f"{value:+.3g}", (column, row), ha="center", va="center", fontsize=7, color=colour)
     axes.set_yticks(range(len(rows)), [words for words, _ in rows])
-    what, unit_of = ("pressure", pressure_unit) if "applied_pressure" in chosen else ("mean gap", length_unit)
     unit = unit_of(max((abs(value) for _, value in points), default=0.0))
-    words = (f"{value / unit.size:.4g}" + ("\nback" if side == UNLOADING else "") for side, value in points)
-    axes.set_xticks(range(len(points)), list(words))
-    axes.set_xlabel(f"prescribed {what} ({unit.name})")
+    ticks = [f"{value / unit.size:.4g}" + ("\nback" if side == UNLOADING else "") for side, value in points]
+    axes.set_xticks(range(len(points)), ticks)
+    axes.set_xlabel(f"prescribed {'mean ' * (what == 'gap')}{what} ({unit.name})")
     axes.set_title(f"{quantity.replace('_', ' ')}: {pair}", fontsize=8)
     axes.grid(False)
     axes.figure.colorbar(image, ax=axes, label="deviation (%)")
     return axes
-
-
-def _path(part: xr.Dataset) -> dict[tuple[int, float], int]:
-    """Branch and prescribed value of each point of one path -> its step; another case may have other points."""
-    name = "applied_pressure" if "applied_pressure" in part else "applied_gap"
-    values, branch = part[name].values, part["branch"].values
-    return {
-        (int(side), float(value)): step
-        for step, (side, value) in enumerate(zip(branch, values, strict=True))
-        if np.isfinite(value)
-    }

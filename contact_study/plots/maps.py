@@ -1,5 +1,6 @@
 """Maps of a surface and of one state, and cuts through it: both surfaces, or a row of atoms at true proportions."""
 
+import tomllib
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import ListedColormap, Normalize
 
-from contact_study.plots.selection import extent, is_periodic, one_state, touching
+from contact_study.plots.selection import extent, one_state, touching
 from contact_study.plots.style import COLOURS, DOUBLE, axes_of, largest, length_unit, picture, pressure_unit
-from contact_study.results.observables.contact_map import cluster_map
+from contact_study.results.observables import cluster_map
 
 _NONE, _OTHERS, _CONTACT = "#ffffff", "#9a9a9a", "#010101"
 _SUBSTRATE, _BLOCK = "#b0b0b0", "#d9e6f2"
@@ -85,7 +86,9 @@ def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = le
         How many clusters have a colour, at most six.
     """
     state = one_state(dataset, "gap", "contact_distance")
-    clusters = cluster_map(touching(state), is_periodic(state))
+    study = tomllib.loads(state.attrs.get("study_toml", ""))
+    boundary = state.coords.get("boundary", study.get("elasticity", {}).get("boundary", "periodic"))
+    clusters = cluster_map(touching(state), str(np.asarray(boundary)) == "periodic")
     coloured = min(largest, len(COLOURS))
     colours = ListedColormap([_NONE, *COLOURS[:coloured], _OTHERS])
     axes = _map(state, np.minimum(clusters, coloured + 1), axes, None, cmap=colours, vmin=-0.5, vmax=coloured + 1.5)

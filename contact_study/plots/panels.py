@@ -1,26 +1,30 @@
-"""Figures of several models side by side, of curves along the path or of densities.
+"""Figures of several models side by side, of curves along the path or of densities, and of one state.
 
 Colour distinguishes the points of the sweep (or the states), line and marker the models; without labels the colour
 distinguishes the models, too.
 """
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import matplotlib
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
-from contact_study.plots.paths import ERROR, Curve, Look, draw_path, draw_strip, error_band
+from contact_study import plots
+from contact_study.plots.paths import ERROR, Curve, Look, draw_path, error_band
+from contact_study.plots.selection import extent
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, SINGLE, STYLE, plain_decades, styled
 
 STATE_COLOURS = ("#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#D55E00")
@@ -32,6 +36,7 @@ _HEADING = 14 / 72  # inches that a panel's letter and state take above its axes
 _TICKS = 6  # along x: six numbers such as −0.075 fit half a page
 _ROW = 0.16  # inches that a row of the legend takes
 _DECADES = 8.0  # of densities that are shown, at most
+_FRAME, _BAR = 0.75, 0.95  # inches around a map, and for the bar of colours
 _SYMBOLS = {"h_rms": r"$h_\mathrm{rms}$", "d_c": r"$d_c$", "q_L": r"$q_L$", "ū": r"$\bar{u}$"}
 # Metadata of files that would differ between equal figures.
 _UNDATED: dict[str, dict[str, None]] = {
@@ -101,6 +106,83 @@ def panels_figure(panels: Sequence[Panel], strips: str = "", note: str = "", hei
     return figure
 
 
+@styled
+def gap_maps(states: Mapping[str, xr.Dataset], words: str = "") -> Figure:
+    """Local gap of several models in one state, contact in black, by the label of the model."""
+    height, width = extent(next(iter(states.values())))
+    count, aspect = len(states), height / width
+    across, rows, columns = (DOUBLE if count > 1 else SINGLE + 1.2) - _FRAME - _BAR, 1, count
+    if count > 1 and aspect < 0.5:
+        rows, columns = count, 1
+    else:
+        across = min(across / count, 5.5 / aspect)
+    size = columns * across + _FRAME + _BAR, max(rows * (across * aspect + 0.25) + _FRAME, 2.2)
+    figure = Figure(figsize=size, layout="constrained")
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    top = max(float(state["gap"].max()) for state in states.values())
+    for axes, (label, state) in zip(panels.ravel(), states.items(), strict=True):
+        plots.gap_map(state, axes, top=top, bar=list(panels.ravel()) if axes is panels[-1, -1] else None)
+        axes.set_title(label, fontsize=8.5)
+        axes.label_outer()
+    if words:
+        figure.suptitle(typeset(words), fontsize=8.5)
+    return figure
+
+
+@styled
+def interface(state: xr.Dataset, words: str = "") -> Figure:
+    """Pressure (a) and contact clusters (b) of a state, and a section through its highest point (c)."""
+    figure = Figure(figsize=(DOUBLE, 5.2), layout="constrained")
+    panels: dict[str, Axes] = figure.subplot_mosaic([["a", "b"], ["c", "c"]], height_ratios=[2.6, 1])
+    plots.pressure_map(state, panels["a"])
+    plots.contact_map(state, panels["b"])
+    plots.section(state, axes=panels["c"])
+    for letter, axes in panels.items():
+        panel_heading(axes, letter, words if letter == "a" else "")
+    return figure
+
+
+@styled
+def wide(draw: Callable[..., Axes], dataset: xr.Dataset, height: float, words: str = "") -> Figure:
+    """One picture across the page, ``height`` inches high."""
+    figure = Figure(figsize=(DOUBLE, height), layout="constrained")
+    draw(dataset, axes=figure.subplots())
+    if words:
+        figure.suptitle(typeset(words), fontsize=8.5)
+    return figure
+
+
+@styled
+def magnification(states: xr.Dataset, mapped: xr.Dataset, words: str = "", named: str = "") -> Figure:
+    """Area (a), detachment stress (b) and work of adhesion (c) of the states, P(σ, ζ) of one (d) if it was kept."""
+    with_map = "pressure_pdf_at" in mapped
+    figure = Figure(figsize=(DOUBLE, 5.2 if with_map else 2.7), layout="constrained")
+    panels: dict[str, Axes] = figure.subplot_mosaic([["a", "b"], ["c", "d"]] if with_map else [["a", "b", "c"]])
+    curves = plots.area_by_magnification, plots.detachment_stress, plots.effective_work_of_adhesion
+    legends = [draw(states, panels[letter]).get_legend() for letter, draw in zip("abc", curves, strict=True)]
+    for legend in filter(None, legends[1:]):
+        legend.remove()
+    for text in legends[0].get_texts() if legends[0] else ():
+        text.set_text(typeset(text.get_text()))
+    if with_map:
+        plots.stress_by_magnification(mapped, panels["d"])
+    for letter, axes in panels.items():
+        panel_heading(axes, letter, {"a": words, "d": named}.get(letter, ""))
+    return figure
+
+
+@styled
+def loops(cycles: Mapping[str, xr.Dataset]) -> Figure:
+    """Loading and unloading of several points of a sweep, side by side, by their labels."""
+    shown = dict(list(cycles.items())[:3])
+    figure = Figure(figsize=(DOUBLE if len(shown) > 1 else SINGLE + 0.6, 3.6), layout="constrained")
+    for axes, (label, cycle) in zip(figure.subplots(1, len(shown), squeeze=False)[0], shown.items(), strict=True):
+        plots.hysteresis_loop(cycle, axes)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))
+        axes.set_title(typeset(label), fontsize=8.5)
+    return figure
+
+
 def panel_heading(axes: Axes, letter: str, state: str = "") -> None:
     """Letter of a panel, and the state that all its curves share."""
     place: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
@@ -110,16 +192,9 @@ def panel_heading(axes: Axes, letter: str, state: str = "") -> None:
 
 
 def saved(figure: Figure, kind: str, name: str = "contact") -> bytes:
-    """The figure as a file of one of the formats; text stays text where the format has any, but for a page's SVG.
+    """The figure as a png, pdf or svg, in which text stays text, or for a page.
 
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    kind : {"png", "pdf", "svg", "page"}
-        Format; "page" is an SVG element that takes its ink and ground from the page around it.
-    name : str
-        What the element's identifiers begin with.
+    That is an SVG element whose identifiers begin with a name, and that takes ink and ground from the page around it.
     """
     stream, page = io.BytesIO(), kind == "page"
     text = {"pdf.fonttype": 42, "svg.fonttype": "path" if page else "none", "svg.hashsalt": name}
@@ -166,7 +241,8 @@ def _draw_paths(axes: Axes, panel: Panel) -> None:
         shown = band.along > (-np.inf if panel.scale == "linear" else 0)
         shade(band.along[shown], band.low[shown], band.high[shown], color=_colour(panel, band), alpha=BAND, lw=0)
     for curve in panel.strips:
-        draw_strip(axes, error_band(curve), _colour(panel, curve), STRIP, 0.5)
+        look: dict[str, Any] = {"facecolors": [_colour(panel, curve)], "alpha": STRIP, "linewidths": 0, "zorder": 0.5}
+        axes.add_collection(PolyCollection(list(error_band(curve)), **look))
     for curve in panel.curves:
         draw_path(axes, _shown(curve, panel.scale), curve.look, _colour(panel, curve))
     low, high = _window(panel)

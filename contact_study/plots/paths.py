@@ -43,17 +43,14 @@ class Curve:
 
     @property
     def fits(self) -> np.ndarray:
-        """Whether each state converged in contact."""
         return np.ones(self.x.shape, bool) if self.fit is None else self.fit
 
     @property
     def back(self) -> np.ndarray:
-        """Whether each state is on unloading."""
         return np.zeros(self.x.shape, bool) if self.unloading is None else self.unloading
 
     @property
     def finite(self) -> np.ndarray:
-        """Whether each state can be shown."""
         return np.isfinite(self.x) & np.isfinite(self.y)
 
 
@@ -93,7 +90,7 @@ def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = ""
     order = 2 if look.behind else 3
     segments, back, joined = path_segments(curve)
     if look.line != "none" and len(strip := error_band(curve)):
-        draw_strip(axes, strip, colour, ERROR, 1)
+        axes.add_collection(PolyCollection(list(strip), facecolors=[colour], alpha=ERROR, linewidths=0, zorder=1))
         if joined[curve.fits].all():
             curve = replace(curve, x_error=None, y_error=None)
     for side, alpha in ((~back, 1.0), (back, 0.5)):
@@ -120,11 +117,6 @@ def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = ""
     left = ~curve.fits & curve.finite
     if left.any():
         axes.plot(curve.x[left], curve.y[left], "x", color=colour, ms=5, mew=1.2, zorder=4)
-
-
-def draw_strip(axes: Axes, strip: np.ndarray, colour: Any, opacity: float, order: float) -> None:
-    """Shade what :func:`error_band` gives."""
-    axes.add_collection(PolyCollection(list(strip), facecolors=[colour], alpha=opacity, linewidths=0, zorder=order))
 
 
 def _visible(error: np.ndarray | None, values: np.ndarray) -> np.ndarray:

@@ -1,13 +1,12 @@
 """Selection of the part of a dataset that a picture shows: one state, or lines over the sweep."""
 
 import itertools
-import tomllib
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
 
-from contact_study.results.observables.atoms import ATOMS, SURROUNDINGS
+from contact_study.results.schema import BY_ATOM
 from contact_study.results.state import usable
 
 LOADING, UNLOADING = 0, 1
@@ -16,7 +15,7 @@ LOADING, UNLOADING = 0, 1
 def require(dataset: xr.Dataset, *names: str) -> None:
     """Raise ValueError unless a dataset has the variables to show."""
     hints = dict.fromkeys(("gap", "pressure", "height"), "; fields are kept with output.fields = true")
-    hints |= dict.fromkeys((*ATOMS, *SURROUNDINGS), '; atoms are kept with output.atoms = "surface"')
+    hints |= dict.fromkeys(BY_ATOM, '; atoms are kept with output.atoms = "surface"')
     hints["pressure_pdf_at"] = "; it is kept with theory.magnifications = 48"
     for name in names:
         if name not in dataset:
@@ -65,13 +64,6 @@ def touching(state: xr.Dataset) -> np.ndarray:
     distance = float(state["contact_distance"])
     near = state["gap"].values <= distance
     return near & (state["pressure"].values != 0) if distance == 0 and "pressure" in state else near
-
-
-def is_periodic(state: xr.Dataset) -> bool:
-    """Whether the surface is periodic, by the study that a dataset carries; without one it is."""
-    study = tomllib.loads(state.attrs.get("study_toml", ""))
-    swept = state.coords.get("boundary", study.get("elasticity", {}).get("boundary", "periodic"))
-    return str(np.asarray(swept)) == "periodic"
 
 
 def lines(dataset: xr.Dataset, name: str, *along: str) -> Iterator[tuple[str, xr.Dataset]]:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from contact_study import plots
-from contact_study.plots import composites
+from contact_study.plots import panels as composed
 from contact_study.plots.panels import STATE_COLOURS, Panel, panels_figure, saved
 from contact_study.plots.style import COLOURS, length_unit, pressure_unit
 from contact_study.report.align import curves, states
@@ -69,19 +69,19 @@ def draw(
         makers["mean_gap"] = partial(_gaps, inputs, scatter)
     drawn = {name: [make(False), make(True)] for name, make in makers.items()}
     if maps := states.read_gaps(*place):
-        drawn["gap_map"] = [composites.gap_maps({entry_of(name).label: own for name, own in maps.items()}, state)]
+        drawn["gap_map"] = [composed.gap_maps({entry_of(name).label: own for name, own in maps.items()}, state)]
         if (interface := states.read_interface(*place)) is not None:
-            drawn["interface"] = [composites.interface(interface, state)]
+            drawn["interface"] = [composed.interface(interface, state)]
     if (zoomed := states.read_magnification(*place)) is not None:
         named = common_label(models, shown.common, control), shown.case.label
-        drawn["magnification"] = [composites.magnification(*zoomed, *named)]
+        drawn["magnification"] = [composed.magnification(*zoomed, *named)]
     if (atoms := states.read_atoms(*place)) is not None:
-        drawn["atoms"] = [composites.wide(plots.atoms, atoms, 2.2, state)]
+        drawn["atoms"] = [composed.wide(plots.atoms, atoms, 2.2, state)]
     if found := cycles(inputs):
-        drawn["loop"] = [composites.loops(found)]
+        drawn["loop"] = [composed.loops(found)]
     theory = next((own for own in models.values() if "persson_tosatti_ratio" in own), None)
     if theory is not None and np.isfinite(theory["finest_tabor_number"]).any():
-        drawn["criteria"] = [composites.wide(plots.criteria_map, theory, 3.2)]
+        drawn["criteria"] = [composed.wide(plots.criteria_map, theory, 3.2)]
     across = curves.pressure_axis(models, False)
     banded = {band.look.label for band in curves.path_bands(inputs.branches, models, across, curves.AREA)}
     files = {

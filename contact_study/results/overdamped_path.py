@@ -12,9 +12,7 @@ from contact_study.numerics.gradient_flow import Advance, Instant, Overdamped, S
 from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 
-# First time step, in units of the relaxation time of the surface's longest wave.
-_FIRST_STEP = 0.01
-
+_FIRST_STEP = 0.01  # in units of the relaxation time of the surface's longest wave
 _MESSAGES = {
     Status.APART: "detached: no equilibrium in contact exists under this load, the surfaces separate",
     Status.TOO_LONG: "the iteration limit was reached before all was at rest: raise solver.max_iterations",

@@ -11,11 +11,8 @@ import numpy as np
 
 from contact_study.results.state import PASSED, Variable
 
-# Share of the exchanged work and energy that a smooth step may leave unaccounted for.
-UNACCOUNTED = 0.02
-
-# Share of a path's largest energy below which a loss is an error of the solver, not a jump.
-_NOISE = 1e-6
+UNACCOUNTED = 0.02  # share of the exchanged work and energy that a smooth step may leave unaccounted for
+_NOISE = 1e-6  # share of a path's largest energy below which a loss is an error of the solver, not a jump
 
 _WORK = "work of separation of the last retraction per nominal area, from zero pressure on"
 PATH_RESULTS: dict[str, Variable] = {

@@ -14,29 +14,22 @@ import numpy as np
 from contact_study.numerics.grid import Grid
 from contact_study.physics.roughness.statistics import Roughness
 from contact_study.results.observables import AVERAGED, ENTRIES, OBSERVABLES
-from contact_study.results.observables.atoms import ATOMS, SITES, SURROUNDINGS
 from contact_study.results.path_results import PATH_RESULTS
 from contact_study.results.state import FLAG, Observable, Value, Variable
 
 SCHEMA_VERSION = "2.2"
 CONVENTIONS = "CF-1.11"
 
-# Between the names of a theory and of its spectrum, if that is not the first of the study: "edge_flow@surface".
-SPECTRUM_MARK = "@"
+SPECTRUM_MARK = "@"  # between the names of a theory and of its spectrum, if not its study's first: "edge_flow@surface"
 
-# Dimensions of the labels in a quantity's key, and the group by the number of labels.
-LABELS = ("theory", "metastable_branch")
-LABELLED_GROUPS = ("", "", "metastable")
-
-# Group of the time series, on the dimension of their frames; also the label of such a quantity.
-TRAJECTORY = "trajectory"
-FRAME = "frame"
+LABELS = ("theory", "metastable_branch")  # dimensions of the labels in a quantity's key
+LABELLED_GROUPS = ("", "", "metastable")  # group by their number
+TRAJECTORY, FRAME = "trajectory", "frame"  # group of the time series, also the label of such a quantity; its dimension
 
 # Suffixes of quantities that belong to a mean over thermal states.
 STANDARD_ERROR = "_standard_error"
 AUTOCORRELATION_TIME = "_autocorrelation_time"
 AUTOCORRELATION_STATES = "_autocorrelation_states"
-
 # Unit (None: that of the mean) and meaning of each suffix.
 OF_A_MEAN: dict[str, tuple[str | None, str]] = {
     STANDARD_ERROR: (None, "standard error of the mean"),
@@ -44,11 +37,42 @@ OF_A_MEAN: dict[str, tuple[str | None, str]] = {
     AUTOCORRELATION_STATES: ("1", "integrated autocorrelation time in states (NaN: too few)"),
 }
 
-# Suffix of the difference between a theory's quantity and that at half the resolution, without sign.
+# Suffix of the difference between a theory's quantity and that at half the resolution, without sign, and prefix of a
+# constant whose key is swept: the plain name is that of the dimension, with the prescribed values.
 RESOLUTION_ERROR = "_resolution_error"
-
-# Prefix of a constant whose key is swept: the plain name is that of the dimension, with the prescribed values.
 REALISED = "realised_"
+
+_PLANE = ("step", "y", "x")
+_NODES = ("step", "node")
+
+ATOMS: dict[str, Variable] = {
+    "lateral_displacement_x": Variable("m", "displacement of a surface atom along x from its rest position", _PLANE),
+    "lateral_displacement_y": Variable("m", "displacement of a surface atom along y from its rest position", _PLANE),
+    "atom_height": Variable("m", "height of a surface atom over the mean plane of the substrate", _PLANE),
+    "shear_stress_x": Variable("Pa", "force of the substrate on a surface atom along x over its area", _PLANE),
+    "shear_stress_y": Variable("Pa", "force of the substrate on a surface atom along y over its area", _PLANE),
+    "normal_stress": Variable("Pa", "stress of the substrate on a surface atom, compression positive", _PLANE),
+    **{f"velocity_{axis}": Variable("m s-1", f"velocity of a surface atom along {axis}", _PLANE) for axis in "xyz"},
+    "node_x": Variable("m", "position of a node of the block along x", _NODES),
+    "node_y": Variable("m", "position of a node of the block along y", _NODES),
+    "node_z": Variable("m", "height of a node of the block over the mean plane of the substrate", _NODES),
+    **{f"node_velocity_{i}": Variable("m s-1", f"velocity of a node of the block along {i}", _NODES) for i in "xyz"},
+}
+
+# Quantities that do not change along the path.
+SURROUNDINGS: dict[str, Variable] = {
+    "substrate_height": Variable("m", "height of a site of the substrate", ("site_y", "site_x")),
+    "atom_mass": Variable("kg", "mass of an atom of the block", ()),
+    "node_mass": Variable("kg", "mass of a node of the block; the rigid plane's is shared by its nodes", ("node",)),
+    "node_level": Variable("1", "level of a node of the block: cells of 2^level lattice constants", ("node",), "count"),
+}
+
+BY_ATOM = (*ATOMS, *SURROUNDINGS)
+
+SITES: dict[str, Variable] = {
+    "site_y": Variable("m", "position of a site of the substrate along y", ("site_y",)),
+    "site_x": Variable("m", "position of a site of the substrate along x", ("site_x",)),
+}
 
 # Quantities of a case that do not change along its path: interface, surface and grid, alike for every model.
 CONSTANTS: dict[str, Variable] = {
@@ -82,6 +106,7 @@ ROUGHNESS: dict[str, Variable] = {
         "m4", "radial power spectrum C(q) of the surface, h_rms² = 2π ∫ q C dq", ("spectrum_wavevector",)
     ),
 }
+_AT = ("step", "wavevector")
 
 VARIABLES: dict[str, Variable] = {
     **ENTRIES,
@@ -95,14 +120,10 @@ VARIABLES: dict[str, Variable] = {
         "m", "plastic indentation, to be subtracted from the heights of the surface", ("step", "y", "x")
     ),
     "relative_contact_area_at": Variable(
-        "1", "apparent relative contact area at a magnification, Persson's theory", ("step", "wavevector")
+        "1", "apparent relative contact area at a magnification, Persson's theory", _AT
     ),
-    "detachment_stress": Variable(
-        "Pa", "largest tensile stress at a magnification, Persson's theory", ("step", "wavevector")
-    ),
-    "effective_work_of_adhesion": Variable(
-        "J m-2", "work of adhesion at a magnification, Persson's theory", ("step", "wavevector")
-    ),
+    "detachment_stress": Variable("Pa", "largest tensile stress at a magnification, Persson's theory", _AT),
+    "effective_work_of_adhesion": Variable("J m-2", "work of adhesion at a magnification, Persson's theory", _AT),
     "pressure_pdf_at": Variable(
         "Pa-1",
         "probability density of the interfacial pressure at a magnification, Persson's theory",
@@ -244,10 +265,9 @@ def quantity_of(key: str) -> tuple[tuple[str, ...], str]:
     return tuple(labels), name
 
 
-def heights_on(grid: Grid, heights: np.ndarray) -> Mapping[str, Value]:
-    """Heights of the surface and their positions (m), by their names in a dataset."""
-    y, x = grid.coordinates
-    return {"y": y, "x": x, "height": heights}
+def heights_on(grid: Grid, heights: np.ndarray, *names: str) -> Mapping[str, Value]:
+    """Positions along y and x and heights of the surface (m), by their names in a dataset or those given."""
+    return dict(zip(names or ("y", "x", "height"), (*grid.coordinates, heights), strict=True))
 
 
 def roughness_values(roughness: Roughness) -> Mapping[str, Value]:
@@ -269,3 +289,17 @@ def roughness_values(roughness: Roughness) -> Mapping[str, Value]:
         values["fitted_hurst_exponent"], values["fitted_hurst_exponent_error"] = fit.hurst_exponent, fit.uncertainty
         values["fitted_roll_off"], values["fitted_cutoff"] = fit.roll_off, fit.cutoff
     return values
+
+
+def surface_atoms(
+    displacement: np.ndarray, stress: np.ndarray, velocity: np.ndarray | None = None
+) -> dict[str, np.ndarray]:
+    """Return the bottom layer's positions (m), stresses (Pa) and velocities (m/s), shape (3, ny, nx) each, by name."""
+    given = [*displacement, *stress, *(() if velocity is None else velocity)]
+    return {name: np.array(field) for name, field in zip(ATOMS, given, strict=False)}
+
+
+def block_nodes(position: np.ndarray, velocity: np.ndarray) -> dict[str, np.ndarray]:
+    """Return positions (m) and velocities (m/s) of an explicit block, shape (3, nodes) each, by name."""
+    names = [name for name in ATOMS if name.startswith("node_")]
+    return {name: np.array(field) for name, field in zip(names, [*position, *velocity], strict=True)}

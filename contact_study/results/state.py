@@ -11,9 +11,7 @@ from contact_study.numerics.distributions import Bins
 Value = float | int | bool | str | np.ndarray
 
 FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent no yes"}
-
-# Columns of :attr:`InterfaceState.passed`.
-PASSED = ("pressure", "separation", "energy")
+PASSED = ("pressure", "separation", "energy")  # columns of :attr:`InterfaceState.passed`
 
 
 def in_two_lines(solution: Any) -> str:

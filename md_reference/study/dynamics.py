@@ -8,7 +8,7 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.observables.atoms import block_nodes, surface_atoms
+from contact_study.results.schema import block_nodes, surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport
 from contact_study.study.case import Case
 from md_reference.block.condensed import isotropic_element, lame_constants

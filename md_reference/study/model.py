@@ -6,9 +6,9 @@ from contact_study.campaign.memory import Need
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
+from contact_study.numerics.grid import Grid
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.results import overdamped_path
-from contact_study.results.observables.atoms import substrate_sites
 from contact_study.results.schema import heights_on
 from contact_study.results.state import Value
 from contact_study.study.case import Case
@@ -185,7 +185,8 @@ def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
     }
     if case.output.atoms == "none":
         return found
-    found |= substrate_sites(surface.heights(case.lattice.substrate_sites), case.lattice.size)
+    sites = Grid(case.lattice.substrate_sites, case.lattice.size)
+    found |= heights_on(sites, surface.heights(sites.shape), "site_y", "site_x", "substrate_height")
     if case.material.atom_mass is not None:
         found["atom_mass"] = case.material.atom_mass
     if case.output.atoms == "block":

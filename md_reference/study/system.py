@@ -7,7 +7,7 @@ import numpy as np
 
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.observables.atoms import surface_atoms
+from contact_study.results.schema import surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport
 from contact_study.study.case import Case
 from md_reference.block.condensed import SurfaceStiffness, isotropic_element, surface_stiffness

@@ -1,17 +1,39 @@
-"""Links of the documentation lead somewhere, what it says to type exists, and its sources were read."""
+"""What the documentation says to type is what the commands take, its links lead somewhere, its sources were read."""
 
+import argparse
 import csv
 import importlib
 import re
+import shlex
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 import contact_study
+from contact_study import start
 from contact_study.command_line.verbs.init import example_names
-from contact_study.study.schema.dotted_keys import all_keys
-from tests.documentation.pages import PAGES, ROOT
+from contact_study.study.schema.dotted_keys import all_keys, read
 
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+COMMANDS = {
+    "bem-adhesion": start.bem_adhesion,
+    "md-reference": start.md_reference,
+    "persson-theory": start.persson_theory,
+    "contact-compare": start.contact_compare,
+    "contact-merge": start.contact_merge,
+}
+SHELL = ("", "bash")
+# A table of results: its command is run by scripts/docs_tables.py, see test_tables.py.
+_TABLE = re.compile(r"<!-- (?:checked )?table.*?<!-- end -->", re.DOTALL)
+_BLOCK = re.compile(
+    r"^(?:<!-- not run: (?P<reason>.+) -->\n)?```(?P<language>.*)\n(?P<text>(?:.*\n)*?)```$", re.MULTILINE
+)
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+TARGETS = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)[1].split()
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 _OPTION = re.compile(r"--([a-z]+\.[a-z_]+)")
 DEBTS = re.compile(
@@ -21,6 +43,43 @@ DEBTS = re.compile(
 )
 PACKAGES = ("bem_adhesion", "contact_study", "md_reference", "research", "scripts", "theory")
 SOURCES = sorted(file for package in PACKAGES for file in (ROOT / package).rglob("*.py"))
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page; ``reason`` says why no test can run it."""
+
+    language: str
+    text: str
+    reason: str | None
+
+    @property
+    def lines(self) -> list[str]:
+        """Its commands, without comments."""
+        return [line for line in self.text.splitlines() if line.strip() and not line.startswith("#")]
+
+
+def blocks(page: Path) -> list[Block]:
+    """The blocks of a page in their order, without tables of results."""
+    text = _TABLE.sub("", page.read_text(encoding="utf-8"))
+    return [Block(one["language"], one["text"], one["reason"]) for one in _BLOCK.finditer(text)]
+
+
+class Parsed(BaseException):
+    """The arguments were taken, but for these."""
+
+
+def parsed(monkeypatch, main: Callable[..., int], *arguments: list[str]) -> list[str]:
+    """Let a command read its arguments, and no more; returns those that it does not know."""
+    take = argparse.ArgumentParser.parse_known_args
+
+    def take_only(*given, **options):
+        raise Parsed(take(*given, **options)[1])
+
+    monkeypatch.setattr(argparse.ArgumentParser, "parse_known_args", take_only)
+    with pytest.raises(Parsed) as found:
+        main(*arguments)
+    return found.value.args[0]
 
 
 def anchors(page):
@@ -47,16 +106,6 @@ def faults(page):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_local_links_lead_somewhere(page):
     assert not list(faults(page))
-
-
-def test_a_link_that_leads_nowhere_is_found(tmp_path):
-    (tmp_path / "other.md").write_text("# One heading: here\n\n```\n# no heading\n```\n")
-    page = tmp_path / "page.md"
-    page.write_text(
-        "# Mine\n[a](other.md) [b](other.md#one-heading-here) [c](#mine) [d](https://example.org/none)\n"
-        "[e](none.md) [f](other.md#no-heading) [g](#not-mine)\n"
-    )
-    assert list(faults(page)) == ["none.md", "other.md#no-heading", "#not-mine"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -89,16 +138,11 @@ def test_every_page_of_the_site_is_in_its_contents():
 
 def section_of(page, anchor):
     """The text below a heading, down to the next one of its rank or above."""
-    lines, rank, found = page.read_text(encoding="utf-8").splitlines(), 0, []
-    for line in lines:
-        heading = re.match(r"(#{1,6}) (.+)$", line)
-        if heading and rank and len(heading[1]) <= rank:
-            break
-        if heading and slug(heading[2]) == anchor:
-            rank = len(heading[1])
-        if rank:
-            found.append(line)
-    return "\n".join(found)
+    parts = re.split(r"^(#{1,6}) (.+)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    places = [k for k in range(1, len(parts), 3) if slug(parts[k + 1]) == anchor]
+    first = places[0] if places else len(parts)
+    last = next((k for k in range(first + 3, len(parts), 3) if len(parts[k]) <= len(parts[first])), len(parts))
+    return "".join(parts[first:last])
 
 
 def test_questions_of_users_have_answers():
@@ -118,3 +162,52 @@ def test_every_public_name_has_a_page_of_its_own():
     # The theories hand out laws and solids of bem_adhesion, which have their pages there.
     shared = {f"theory.{one}" for one in importlib.import_module("bem_adhesion").__all__}
     assert listed == {name for name in public - shared if not name.endswith("__version__")}
+
+
+def commands():
+    """Every command for a shell, in words."""
+    for page in PAGES:
+        for line in (line for block in blocks(page) if block.language in SHELL for line in block.lines):
+            words = shlex.split(line, comments=True)
+            while words:
+                end = words.index("&&") if "&&" in words else len(words)
+                yield pytest.param(words[:end], id=f"{page.stem}: {' '.join(words[:end])}")
+                words = words[end + 1 :]
+
+
+@pytest.mark.parametrize("words", list(commands()))
+def test_a_command_of_the_documentation_is_one(words, monkeypatch):
+    command, *arguments = words
+    command = command.removeprefix(".venv/bin/")
+    if command in COMMANDS:
+        if ">" in arguments:
+            arguments = arguments[: arguments.index(">")]
+        assert parsed(monkeypatch, COMMANDS[command], arguments) == []
+    elif command == "make":
+        assert arguments[0] in TARGETS
+    elif command == "pip":
+        extra = re.fullmatch(r"\.(?:\[(\w+)\])?", arguments[1])[1]
+        assert extra is None or extra in PROJECT["optional-dependencies"]
+    elif command == "eval":
+        assert {*PROJECT["scripts"]} <= {*shlex.split(arguments[0].strip("$()"))}
+    else:
+        assert command == "dask"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_blocks_are_of_languages_that_are_checked(page):
+    for block in blocks(page):
+        assert block.language in (*SHELL, "python", "toml") or block.language.startswith("{")
+        if block.language == "python":
+            compile(block.text, page.name, "exec")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_keys_of_the_documentation_can_be_read(page):
+    for table in [tomllib.loads(block.text) for block in blocks(page) if block.language == "toml"]:
+        given = [(dotted, value) for dotted, values in table.pop("sweep", {}).items() for value in values]
+        for item in table.pop("override", []):
+            given += (item.pop("when") | item).items()
+        given += [(f"{section}.{name}", value) for section, own in table.items() for name, value in own.items()]
+        for dotted, value in given:
+            read(dotted, value)

@@ -80,9 +80,8 @@ def test_contact_map_colours_the_largest_clusters_first():
 
 
 def test_contact_map_of_a_free_surface_ends_at_its_rim():
-    both_rims = state()
-    both_rims["gap"] = both_rims["gap"] * 0 + 1e-9
-    both_rims["gap"][:, [0, -1]] = 0.1e-9
+    rims = np.isin(np.arange(SIDE), [0, SIDE - 1])
+    both_rims = state(gap=(("y", "x"), np.where(rims, 0.1e-9, np.full((SIDE, SIDE), 1e-9))))
     free = both_rims.assign_attrs(study_toml='[elasticity]\nboundary = "free"\n')
     assert "one cluster" in plots.contact_map(both_rims).get_title()
     for known in (free, both_rims.assign_coords(boundary="free")):
@@ -133,14 +132,12 @@ def test_curves_part_loading_from_unloading_and_leave_out_what_did_not_converge(
 
 
 def test_tension_is_shown_on_logarithms_of_both_signs():
-    axes = plots.contact_area(
-        path([1e6, 1e8, 1e9, -1e7], [0.1, 0.2, 0.4, 0.15], [4e-9] * 4, [0, 0, 0, 1]), scale="symlog"
-    )
-    assert axes.get_xscale() == "symlog"
+    known = path([1e6, 1e8, 1e9, -1e7], [0.1, 0.2, 0.4, 0.15], [4e-9] * 4, [0, 0, 0, 1])
+    axes = plots.contact_area(known, scale="symlog")
     np.testing.assert_allclose(axes.get_xticks(), [-0.01, -0.001, 0, 0.001, 0.01, 0.1, 1])
     assert axes.get_xlim()[0] > -1
     with pytest.raises(ValueError, match="scale = 'cubic'"):
-        plots.contact_area(path([1e6], [0.1], [1e-9], [0]), scale="cubic")
+        plots.contact_area(known, scale="cubic")
 
 
 def test_a_line_for_each_point_of_the_sweep_and_each_theory():
@@ -191,12 +188,8 @@ def test_the_loop_shows_what_its_own_steps_passed_and_marks_jump_in_and_pull_off
     dataset = path([-1e6, 4e6, 0.0], np.full(3, 0.1), [5e-9, 1e-9, 6e-9], [0, 0, 0])
     pressures, separations = [[-1, -2, np.nan], [2, 4, np.nan], [1, -3, 0]], [[5, 4, np.nan], [2, 1, np.nan], [2, 3, 6]]
     passed = {"passed_pressure": 1e6 * np.array(pressures), "passed_separation": 1e-9 * np.array(separations)}
-    results = {
-        "jump_in_pressure": -2e6,
-        "jump_in_separation": 4e-9,
-        "pull_off_pressure": -3e6,
-        "work_of_separation": 0.0055,
-    }
+    results = {"jump_in_pressure": -2e6, "jump_in_separation": 4e-9}
+    results |= {"pull_off_pressure": -3e6, "work_of_separation": 0.0055}
     dataset = dataset.assign({name: (("step", "passed"), values) for name, values in passed.items()}).assign(results)
     dataset = dataset.assign_coords(applied_gap=dataset.mean_separation)
     # At 1, 2, 3, 4, 5 nm loading carries 4, 2, 0, −2, −1 MPa, unloading 4, 1, −3, −2, −1.
@@ -224,8 +217,7 @@ def test_spectrum_is_that_of_the_waves_and_keeps_the_variance():
 
 def test_distributions_have_the_units_of_their_axis():
     bins = np.linspace(-2e9, 2e9, 9)
-    density = np.exp(-((bins / 1e9) ** 2)) * 1e-9
-    density[0] = 0.0
+    density = np.exp(-((bins / 1e9) ** 2)) * 1e-9 * (bins > -2e9)
     dataset = xr.Dataset({"pressure_pdf": ("pressure_bin", density)}, {"pressure_bin": bins})
     line = plots.stress_distribution(dataset).lines[0]
     np.testing.assert_allclose(line.get_xdata()[5], 0.5)
@@ -262,3 +254,110 @@ def test_what_is_missing_or_too_much_is_refused_with_the_way_out():
     with pytest.raises(ValueError, match=r"select one first, for example dataset.sel\(step=4\)"):
         plots.gap_map(two)
     plots.gap_map(two.sel(step=3))
+
+
+RATIOS = {
+    "persson_tosatti_ratio": [0.1, 0.5],
+    "pastewka_robbins_ratio": [0.2, 0.7],
+    "dmt_tension_ratio": [0.9, 4.0],
+    "bearing_area_ratio": [0.4, 3.0],
+}
+
+
+def criteria():
+    columns = {"finest_tabor_number": [0.3, 2.0], **RATIOS}
+    return xr.Dataset(
+        {name: ("well_depth_ratio", values) for name, values in columns.items()}, {"well_depth_ratio": [1.0, 8.0]}
+    )
+
+
+def test_every_point_of_the_sweep_is_a_column_of_all_criteria():
+    axes = plots.criteria_map(criteria(), name="study")
+    markers = [line for line in axes.lines if line.get_marker() in "s^Do" and len(line.get_xdata()) == 1]
+    shown = np.array([line.get_xydata()[0] for line in markers])
+    expected = [[tabor, RATIOS[name][column]] for column, tabor in enumerate((0.3, 2.0)) for name in RATIOS]
+    np.testing.assert_allclose(shown, expected)
+    # Persson and Tosatti's is made for large Tabor parameters, the others for small ones.
+    hollow = [line.get_markerfacecolor() == "white" for line in markers]
+    assert hollow == [True, False, False, False, False, True, True, True]
+    assert [text.get_text() for text in axes.texts][-2:] == [f"study\nwell depth ratio = {k}" for k in (1, 8)]
+    low, high = axes.get_ylim()
+    assert low < 0.1 < 4 < high
+    assert 1 in axes.lines[0].get_ydata()
+    assert axes.get_xscale() == axes.get_yscale() == "log"
+    plots.criteria_map(criteria().isel(well_depth_ratio=1), axes, "one")  # on the same map
+    assert len(axes.get_legend_handles_labels()[1]) == 4
+    assert axes.texts[-1].get_text() == "one"
+    with pytest.raises(ValueError, match="persson_tosatti_ratio"):
+        plots.criteria_map(criteria().drop_vars("persson_tosatti_ratio"))
+
+
+WAVEVECTOR = 3e7 * np.array([1.0, 2.0, 4.0, 8.0])
+ZETA = np.array([2.0, 4.0, 8.0])
+STRESS = np.linspace(-2e9, 6e9, 17)
+
+
+def magnified():
+    """Two states whose numbers a test can foretell."""
+    density = np.exp(-0.5 * ((STRESS[None, :] - 1e9) / (4e8 * ZETA[:, None])) ** 2) / ZETA[:, None] * 1e-9
+    states = np.stack([density, 2 * density])
+    curves = {
+        "relative_contact_area_at": [[1.0, 0.8, 0.5, 0.2], [1.0, 0.9, 0.7, 0.4]],
+        "detachment_stress": [[0.0, 0.0, 1e9, 3e9], [0.0, 1e9, 2e9, 4e9]],
+        "effective_work_of_adhesion": [[-0.1, 0.1, 0.3, 0.7], [0.1, 0.2, 0.5, 1.4]],
+    }
+    return xr.Dataset(
+        {name: (("step", "wavevector"), values) for name, values in curves.items()}
+        | {"pressure_pdf_at": (("step", "magnification", "pressure_bin"), states)},
+        {"wavevector": WAVEVECTOR, "magnification": ZETA, "pressure_bin": STRESS, "step": [0, 1]},
+    )
+
+
+@pytest.mark.parametrize(
+    ("draw", "name", "unit", "words"),
+    [
+        (plots.area_by_magnification, "relative_contact_area_at", 1, "$A(\\zeta)/A_0$"),
+        (plots.detachment_stress, "detachment_stress", 1e9, "(GPa)"),
+        (plots.effective_work_of_adhesion, "effective_work_of_adhesion", 1, "(J/m²)"),
+    ],
+)
+def test_curves_are_over_the_magnification_in_their_units(draw, name, unit, words):
+    axes = draw(magnified())
+    lines = [line for line in axes.lines if len(line.get_xdata()) == 4]
+    assert [line.get_label() for line in lines] == ["step = 0", "step = 1"]
+    for number, line in enumerate(lines):
+        np.testing.assert_allclose(line.get_xdata(), [1, 2, 4, 8])
+        np.testing.assert_allclose(line.get_ydata(), magnified()[name][number] / unit)
+    assert axes.get_ylabel().endswith(words)
+    assert axes.get_xscale() == "log"
+
+
+def test_small_works_of_adhesion_are_in_millijoules():
+    axes = plots.effective_work_of_adhesion(magnified().isel(step=0) * 1e-3)
+    assert axes.get_ylabel().endswith("(mJ/m²)")
+    assert axes.lines[0].get_ydata()[-1] == pytest.approx(0.7)
+    assert list(axes.lines[1].get_ydata()) == [0, 0], "zero is marked where the energy changes its sign"
+
+
+def test_map_shows_the_density_at_its_stress_and_magnification():
+    known = magnified().isel(step=1)
+    axes = plots.stress_by_magnification(known)
+    mesh, shown = axes.collections[0], axes.collections[0].get_array()
+    across, along = mesh.get_coordinates()[0, :, 0], mesh.get_coordinates()[:, 0, 1]
+    assert across[-1] == ZETA[-1]
+    assert np.all((across[:-1] < ZETA) & (across[1:] >= ZETA))
+    density = known["pressure_pdf_at"].values.T * 1e9  # stress upwards, in 1/GPa
+    rows = np.searchsorted(STRESS / 1e9, 0.5 * (along[1:] + along[:-1]) - 1e-9)
+    np.testing.assert_allclose(shown.filled(0), np.where(density > 1e-4 * density.max(), density, 0)[rows])
+    assert shown.mask.any()
+    assert axes.get_ylabel() == r"stress $\sigma$ (GPa)"
+    assert "1/GPa" in mesh.colorbar.ax.get_ylabel()
+
+
+def test_states_without_a_map_are_refused():
+    with pytest.raises(ValueError, match=r"theory\.magnifications = 48"):
+        plots.stress_by_magnification(magnified().drop_vars("pressure_pdf_at"))
+    with pytest.raises(ValueError, match="more than one state: select one along 'step'"):
+        plots.stress_by_magnification(magnified())
+    with pytest.raises(ValueError, match="nothing is in contact"):
+        plots.stress_by_magnification(magnified().isel(step=0) * 0)

@@ -10,7 +10,7 @@ import numpy as np
 from contact_study.campaign.dataset.assembly import assemble
 from contact_study.campaign.dataset.file import write_dataset
 from contact_study.report.read.datasets import read_inputs
-from contact_study.results.observables.contact_map import RELATIVE_DISTANCE
+from contact_study.results.observables import RELATIVE_DISTANCE
 from contact_study.results.schema import SCHEMA_VERSION
 from contact_study.study.bins import bins_of
 from contact_study.study.case import realise

@@ -9,8 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.legend import Legend
 
-from contact_study.plots.composites import gap_maps, magnification
-from contact_study.plots.panels import Band, palette, saved
+from contact_study.plots.panels import Band, gap_maps, magnification, palette, saved
 from contact_study.plots.paths import ERROR, Curve, Look, path_segments
 from contact_study.plots.selection import extent, touching
 from contact_study.plots.style import COLOURS

@@ -53,8 +53,7 @@ def test_pull_off_between_long_uneven_steps_is_within_its_error():
 
 
 def test_the_work_begins_where_the_pressure_is_none_between_two_states():
-    pressure, separation = np.array([2.0, 1.0, -1.0, -2.0, 0.0]), np.array([0.0, 1.0, 2.0, 3.0, 5.0])
-    known = series(pressure, separation, np.array([0.0, 0.0, 0.0, 0.0, -0.1]), ends_apart=True)
+    known = series([2.0, 1.0, -1.0, -2.0, 0.0], [0.0, 1.0, 2.0, 3.0, 5.0], [0.0, 0.0, 0.0, 0.0, -0.1], ends_apart=True)
     # From 1.5 on: a triangle of ½ by 1, 1.5, a triangle of 2 by 2; then what the last state holds.
     assert path_results(known, "gap")["work_of_separation"] == pytest.approx(0.25 + 1.5 + 2 + 0.1)
 
@@ -73,17 +72,15 @@ def test_what_the_rule_leaves_and_where_a_jump_lies_is_the_error_of_the_work():
     # Branches count by their energy: only the way to balance is the rule's, of a step of 7 % where the core is stiff.
     assert coarse["work_of_separation"] == pytest.approx(0.69, rel=1e-2)
     assert 1e-3 * 0.69 < coarse["work_of_separation_resolution_error"] < 0.05 * 0.69
-    pressure, separation = np.array([0.0, -1.0, -0.2, 0.0]), np.array([0.0, 1.0, 1.2, 2.0])
-    energy = np.array([-2.0, -1.5, -2.0, -1.92])
-    jump = path_results(series(pressure, separation, energy, ends_apart=True), "gap")
+    known = series([0.0, -1.0, -0.2, 0.0], [0.0, 1.0, 1.2, 2.0], [-2.0, -1.5, -2.0, -1.92], ends_apart=True)
+    jump = path_results(known, "gap")
     assert jump["work_of_separation"] == pytest.approx(2.0 + 0.62)  # ½ (1 + 0.2) 0.2 and the half that was stored
     assert jump["work_of_separation_resolution_error"] == pytest.approx(0.5 * 0.8 * 0.2)
 
 
 def test_states_between_the_points_of_a_path_are_no_turns():
     """A layer's mean separation goes back a little where the surfaces jump apart, at a mean gap that grows."""
-    separation = np.array([5.0, 1.0, 2.0, 1.9, 3.0, 5.0])
-    pressure = np.array([0.0, 1.0, -2.0, -1.0, -0.5, 0.0])
+    pressure, separation = [0.0, 1.0, -2.0, -1.0, -0.5, 0.0], [5.0, 1.0, 2.0, 1.9, 3.0, 5.0]
     whole = series(pressure, separation, np.zeros(6), ends_apart=True, points=np.array([0, 1, 5]))
     assert path_results(whole, "gap")["pull_off_pressure"] == -2.0
 

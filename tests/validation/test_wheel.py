@@ -28,26 +28,20 @@ def run(*command, folder):
 
 @pytest.fixture(scope="module")
 def folder():
-    """A folder with the project's source, which is gone afterwards: an environment takes half a gigabyte."""
+    """A folder with the project's source and wheel, gone afterwards: an environment takes half a gigabyte."""
     with tempfile.TemporaryDirectory() as name:
         source = Path(name) / "source"
         source.mkdir()
-        for package in PACKAGES:
+        for package in (*PACKAGES, "tests"):
             shutil.copytree(ROOT / package, source / package, ignore=shutil.ignore_patterns("__pycache__"))
-        shutil.copytree(ROOT / "tests", source / "tests", ignore=shutil.ignore_patterns("__pycache__"))
         for file in ("pyproject.toml", "README.md", "LICENSE"):
             shutil.copy(ROOT / file, source)
+        run(sys.executable, "-m", "pip", "wheel", "./source", "--no-deps", "-q", "-w", "built", folder=name)
         yield Path(name)
 
 
-@pytest.fixture(scope="module")
-def wheel(folder):
-    run(sys.executable, "-m", "pip", "wheel", "./source", "--no-deps", "-q", "-w", "built", folder=folder)
-    (file,) = (folder / "built").iterdir()
-    return file
-
-
-def test_wheel_holds_the_packages_and_nothing_else(wheel):
+def test_wheel_holds_the_packages_and_nothing_else(folder):
+    (wheel,) = (folder / "built").iterdir()
     names = zipfile.ZipFile(wheel).namelist()
     tops = {name.partition("/")[0] for name in names}
     assert tops == {*PACKAGES, f"bem_adhesion-{contact_study.__version__}.dist-info"}
@@ -59,7 +53,8 @@ def test_wheel_holds_the_packages_and_nothing_else(wheel):
     assert not [name for name in names if "test" in name.lower()]
 
 
-def test_installed_wheel_works_from_any_folder(folder, wheel):
+def test_installed_wheel_works_from_any_folder(folder):
+    (wheel,) = (folder / "built").iterdir()
     environment, elsewhere = folder / "environment", folder / "elsewhere"
     run(sys.executable, "-m", "venv", environment, folder=folder)
     elsewhere.mkdir()

@@ -10,7 +10,7 @@ from contact_study.campaign.dataset.file import StoredCase
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.numerics.distributions import Bins, redistributed
-from contact_study.results.observables.contact_map import RELATIVE_DISTANCE
+from contact_study.results.observables import RELATIVE_DISTANCE
 from contact_study.results.path_results import PATH_RESULTS, path_results, series_of
 from contact_study.results.schema import (
     COORDINATES,

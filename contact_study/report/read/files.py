@@ -14,10 +14,9 @@ from contact_study.campaign.store.files import engine_of, readable, require_data
 from contact_study.inputs.errors import InputError
 from contact_study.report.models import file_kinds, known, of_file
 from contact_study.report.read.load_steps import positions, swept_dims
-from contact_study.results.observables.atoms import ATOMS, SITES, SURROUNDINGS
-from contact_study.results.schema import LABELLED_GROUPS, LABELS, SCHEMA_VERSION, VARIABLES, variable_of
+from contact_study.results.schema import BY_ATOM, LABELLED_GROUPS, LABELS, SCHEMA_VERSION, SITES, VARIABLES, variable_of
 
-_FIELDS = ("gap", "pressure", *ATOMS, *SURROUNDINGS)
+_FIELDS = ("gap", "pressure", *BY_ATOM)
 _THEORY, _SIDE = LABELS
 _METASTABLE = LABELLED_GROUPS[2]
 # Groups of a file that are read, "" for the root; a file may hold others, such as states to go on from.
