@@ -17,8 +17,7 @@ from contact_study.campaign.record import Run, RunRecord, describe_differences, 
 from contact_study.campaign.store.case_file import CaseFile, write_case
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
-from contact_study.study.case import Case
-from contact_study.study.load_steps import path_points_of
+from contact_study.study.case import Case, path_points_of
 
 # Why the bins of a finished distribution do not serve.
 COARSER_BINS = "the bins of its distributions were coarser than those asked for now"

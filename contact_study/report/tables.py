@@ -29,7 +29,7 @@ from contact_study.report.read.datasets import Inputs
 from contact_study.report.text import wording
 from contact_study.report.text.rendering import Both
 from contact_study.report.text.wording import PRESCRIBED, fixed, number, percent_of, pressure, with_error
-from contact_study.study.load_steps import PathPoint
+from contact_study.study.case import PathPoint
 
 NOTHING = "–"
 _GOOD, _FAIR = 0.05, 0.3  # deviations of the contact area up to which a cell is coloured as good, and as fair

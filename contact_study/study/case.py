@@ -1,10 +1,14 @@
 """One point of a study's sweep: all that a model is given, frozen, in SI numbers."""
 
 import math
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import stress
@@ -256,3 +260,30 @@ def realise(case: Case) -> Surface:
     >>> heights = contact_study.realise(contact_study.read_study("study.toml").cases[0]).sampled  # doctest: +SKIP
     """
     return case.surface.realise(case.directory)
+
+
+PathPoint = tuple[str, int, int]  # prescribed value to twelve digits, 1 on the way back, earlier visits
+
+
+def path_points(prescribed: Iterable[float], unloading: Iterable[int]) -> list[PathPoint | None]:
+    """Name the points of a path, to find them in another; None where it is padded, by NaN.
+
+    ``unloading`` is 1 on the way back. Contacts remember: the second time at a pressure is not the first.
+    """
+    visits: Counter[tuple[str, int]] = Counter()
+    points: list[PathPoint | None] = []
+    for value, back in zip(prescribed, unloading, strict=True):
+        if np.isnan(value):
+            points.append(None)
+            continue
+        # The same pressure written in another unit differs in the last of sixteen digits; no zero has a sign.
+        key = (f"{value + 0.0:.12g}", int(back))
+        points.append((*key, visits[key]))
+        visits[key] += 1
+    return points
+
+
+def path_points_of(case: Case) -> list[PathPoint | None]:
+    """Names of the points of a case's path."""
+    values, branches = zip(*case.path, strict=True)
+    return path_points(values, (branch == "unloading" for branch in branches))

@@ -15,8 +15,7 @@ from contact_study.campaign.record import differences
 from contact_study.campaign.store.files import engine_of, readable, require_dataset
 from contact_study.inputs.errors import InputError
 from contact_study.results.state import usable
-from contact_study.study.case import Case
-from contact_study.study.load_steps import path_points, path_points_of
+from contact_study.study.case import Case, path_points, path_points_of
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.study import Study

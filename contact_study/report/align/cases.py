@@ -16,7 +16,7 @@ from contact_study.report.read.load_steps import averaged, swept_dims
 from contact_study.report.text.wording import PRESCRIBED, coordinate_label
 from contact_study.results.schema import REALISED
 from contact_study.results.state import usable
-from contact_study.study.load_steps import PathPoint, path_points
+from contact_study.study.case import PathPoint, path_points
 
 _AREA = "relative_contact_area"
 

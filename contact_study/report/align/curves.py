@@ -15,7 +15,7 @@ from contact_study.report.models import entry_of, look_of
 from contact_study.report.read.datasets import Scatter
 from contact_study.report.read.load_steps import swept_dims
 from contact_study.results.state import usable
-from contact_study.study.load_steps import PathPoint
+from contact_study.study.case import PathPoint
 
 _VISIBLE = 2e-3  # of a quantity: a dot of the figures
 

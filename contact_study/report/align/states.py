@@ -12,7 +12,7 @@ from contact_study.report.read.datasets import Inputs
 from contact_study.report.read.files import field_at
 from contact_study.results.schema import variable_of
 from contact_study.results.state import usable
-from contact_study.study.load_steps import PathPoint
+from contact_study.study.case import PathPoint
 
 _CURVES = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
 STATE = "state"

@@ -24,7 +24,7 @@ from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs, Scatter
 from contact_study.report.text.rendering import paragraphs
 from contact_study.report.text.wording import PRESCRIBED, length, number, pressure
-from contact_study.study.load_steps import PathPoint
+from contact_study.study.case import PathPoint
 
 # p/E* of figures 1b and 2b of Yang et al., EPL 84, 46004 (2008); their panels a state none.
 PAPER_PRESSURES = (-0.00532, 0.00832, 0.06265)

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.results.schema import COORDINATES
-from contact_study.study.load_steps import PathPoint, path_points
+from contact_study.study.case import PathPoint, path_points
 from contact_study.study.schema.dotted_keys import same
 
 SEED = "seed"

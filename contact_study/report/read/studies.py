@@ -17,8 +17,7 @@ from contact_study.campaign.record import RunRecord, differences, key_values, re
 from contact_study.inputs.errors import InputError
 from contact_study.report.models import TARGET, is_simulated
 from contact_study.report.read.load_steps import SEED, positions, swept_dims
-from contact_study.study.case import Case
-from contact_study.study.load_steps import PathPoint, path_points, path_points_of
+from contact_study.study.case import Case, PathPoint, path_points, path_points_of
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import keys_of, shown
 from contact_study.study.study import Study, make_study
