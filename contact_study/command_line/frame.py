@@ -53,9 +53,7 @@ def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
 
     A value is read as TOML writes it, anything else is a string; it may begin with a minus sign.
     """
-    others: list[str] = []
-    keys: dict[str, Any] = {}
-    left = iter(arguments)
+    others, keys, left = list[str](), dict[str, Any](), iter(arguments)
     for argument in left:
         found = _KEY.fullmatch(argument)
         if found is None:
@@ -68,12 +66,8 @@ def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
             keys[found["key"]] = tomllib.loads(f"value = {value}")["value"]
         except ValueError:
             keys[found["key"]] = value
-    if keys:
-        _check_keys(keys)
-    return others, keys
-
-
-def _check_keys(keys: Mapping[str, Any]) -> None:
+    if not keys:
+        return others, keys
     from contact_study.inputs import plugins
     from contact_study.study.schema.dotted_keys import all_keys
     from contact_study.study.schema.keys import replacement, suggestion
@@ -86,6 +80,7 @@ def _check_keys(keys: Mapping[str, Any]) -> None:
             where = f" {section}" if any(one.startswith(f"{section}.") for one in known) else ""
             meant = replacement(key, "--") or suggestion(f"--{key}", [f"--{one}" for one in known])
             raise InputError(f"unknown key --{key}{meant}; see bem-adhesion keys{where}")
+    return others, keys
 
 
 def guarded(command: str, body: Any, interrupted: str = "finished steps are kept, continue with --resume") -> int:

@@ -37,7 +37,18 @@ _OLD = {
     "contact-compare": ["compare"],
     "contact-merge": ["merge"],
 }
+_EXAMPLES = ("init first", "check first.toml", "run first.toml -o bem.nc", "compare bem.nc -o comparison")
 _NOTHING = "nothing was written"
+_OVERVIEW = f"""usage: {PROGRAM} COMMAND ...
+
+Adhesive contact of rough solids: boundary elements, atoms and theory.
+
+commands:
+{{verbs}}
+
+`{PROGRAM} COMMAND --help` explains one. `{PROGRAM} STUDY.toml -o OUT.nc` is short for run.
+
+{epilog(*(f"{PROGRAM} {words}" for words in _EXAMPLES), solves=True)}"""
 
 
 def main(name: str, arguments: Sequence[str] | None = None, model: "Model | None" = None) -> int:
@@ -47,7 +58,8 @@ def main(name: str, arguments: Sequence[str] | None = None, model: "Model | None
     if "_ARGCOMPLETE" in os.environ:
         _complete(name)
     if name == PROGRAM and model is None and (not typed or typed[0] in ("-h", "--help", "--version")):
-        print(f"{PROGRAM} {__version__}" if "--version" in typed[:1] else _overview())
+        verbs = "\n".join(f"  {verb:9} {words}" for verb, words in VERBS.items())
+        print(f"{PROGRAM} {__version__}" if "--version" in typed[:1] else _OVERVIEW.format(verbs=verbs))
         return DONE if typed else WRONG_INPUT
 
     def body() -> int:
@@ -104,20 +116,6 @@ def _check_options(arguments: Sequence[str], parser: Parser) -> None:
 
             meant = suggestion(argument.partition("=")[0], options)
             raise InputError(f"unknown option {argument}{meant}; see {parser.prog} --help")
-
-
-def _overview() -> str:
-    examples = ("init first", "check first.toml", "run first.toml -o bem.nc", "compare bem.nc -o comparison")
-    return "\n".join(
-        [
-            f"usage: {PROGRAM} COMMAND ...\n",
-            "Adhesive contact of rough solids: boundary elements, atoms and theory.\n",
-            "commands:",
-            *(f"  {verb:9} {words}" for verb, words in VERBS.items()),
-            f"\n`{PROGRAM} COMMAND --help` explains one. `{PROGRAM} STUDY.toml -o OUT.nc` is short for run.\n",
-            epilog(*(f"{PROGRAM} {words}" for words in examples), solves=True),
-        ]
-    )
 
 
 def _complete(name: str) -> None:

@@ -17,21 +17,15 @@ def bins_of(study: Study) -> Bins:
     tension, compression, gap = (max(values) for values in zip(*ranges, strict=True))
     output = study.cases[0].output
     if output.pressure_range is not None:
-        pressure_edges = np.linspace(*output.pressure_range, output.pressure_bins + 1)
+        pressure_edges: np.ndarray = np.linspace(*output.pressure_range, output.pressure_bins + 1)
     else:
-        pressure_edges = _around_zero(_rounded(tension), _rounded(compression), output.pressure_bins)
+        # Points out of contact carry no stress, or next to none of either sign: an edge at zero would part them at
+        # random. Zero is in the middle of a bin, one half of it on the side of tension.
+        width = (_rounded(tension) + _rounded(compression)) / output.pressure_bins
+        below = round(_rounded(tension) / width - 0.5) + 0.5
+        pressure_edges = (np.arange(output.pressure_bins + 1) - below) * width
     gap_range = output.gap_range or (0.0, _rounded(gap))
     return Bins(pressure_edges, np.linspace(*gap_range, output.gap_bins + 1))
-
-
-def _around_zero(tension: float, compression: float, bins: int) -> np.ndarray:
-    """Edges over [−tension, compression] with zero in the middle of a bin.
-
-    Points out of contact carry no stress, or next to none of either sign: an edge at zero would part them at random.
-    """
-    width = (tension + compression) / bins
-    below = round(tension / width - 0.5) + 0.5  # bins on the side of tension, the middle one half
-    return (np.arange(bins + 1) - below) * width
 
 
 def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:

@@ -55,9 +55,22 @@ class Case:
             raise InputError(
                 f"loading.path: {lowest:g} Pa cannot be carried by {self.law.words}; give positive pressures"
             )
-        self._check_hardness()
-        self._check_time()
         free, control = self.elasticity.boundary == "free", self.loading.control
+        if (hardness := self.material.hardness) is not None:
+            given = f"material.hardness = {hardness:g} Pa"
+            if self.law.attracts or not self.law.has_wall:
+                raise InputError(
+                    f'{given}: known of interaction.law = "hard_wall" only, not of "{self.interaction.law}"; leave one '
+                    "out"
+                )
+            if control == "pressure" and max(self.loading.path) >= hardness:
+                raise InputError(
+                    f"loading.path: a mean pressure of {max(self.loading.path):g} Pa is not below {given}: no state "
+                    "can carry it, all of the surface would yield"
+                )
+            if control == "gap" and lowest <= 0:
+                raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
+        self._check_time()
         if free and control == "gap":
             raise InputError('loading.control = "gap": elasticity.boundary = "free" takes "pressure" or "approach"')
         if not free and control == "approach" and not self.solid.mean_compliance:
@@ -84,23 +97,6 @@ class Case:
                 f"loading.path: a mean gap of {above:g} m above the equilibrium distance, {distance:g} m, leaves no "
                 "gap between the surfaces"
             )
-
-    def _check_hardness(self) -> None:
-        hardness, control = self.material.hardness, self.loading.control
-        if hardness is None:
-            return
-        given = f"material.hardness = {hardness:g} Pa"
-        if self.law.attracts or not self.law.has_wall:
-            raise InputError(
-                f'{given}: known of interaction.law = "hard_wall" only, not of "{self.interaction.law}"; leave one out'
-            )
-        if control == "pressure" and max(self.loading.path) >= hardness:
-            raise InputError(
-                f"loading.path: a mean pressure of {max(self.loading.path):g} Pa is not below {given}: no state can "
-                "carry it, all of the surface would yield"
-            )
-        if control == "gap" and min(self.loading.path) <= 0:
-            raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
 
     def _check_time(self) -> None:
         duration, path, kind = self.loading.duration, self.loading.path, f'elasticity.kind = "{self.elasticity.kind}"'
@@ -153,7 +149,6 @@ class Case:
 
     @cached_property
     def solid(self) -> Elasticity:
-        """The elastic block, by the stiffness of its surface."""
         return self.elasticity.solid(self.material)
 
     @property
@@ -189,10 +184,8 @@ class Case:
     @property
     def path(self) -> list[tuple[float, str]]:
         """Prescribed values in order, each with its branch: "loading" or "unloading"."""
-        points = [(value, "loading") for value in self.loading.path]
-        if self.loading.unload:
-            points += [(value, "unloading") for value in self.loading.path[-2::-1]]
-        return points
+        back = self.loading.path[-2::-1] if self.loading.unload else ()
+        return [(value, "loading") for value in self.loading.path] + [(value, "unloading") for value in back]
 
     @property
     def least_step(self) -> float | None:
@@ -205,7 +198,6 @@ class Case:
         return self.loading.resolution * largest
 
     def point_in_words(self, number: int) -> str:
-        """Write a point of the path in the unit of the study."""
         name, size = self.loading.unit
         what = "" if self.loading.control == "pressure" else f"{self.loading.control} "
         return f"{what}{self.path[number][0] / size:.6g} {name}"

@@ -137,7 +137,7 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     swept = table.get("sweep", {})
     places = list(itertools.product(*(range(len(values)) for values in swept.values())))  # the last key runs fastest
     points = [{key: swept[key][i] for key, i in zip(swept, place, strict=True)} for place in places]
-    merged = sweep.sections_at(table, points)
+    merged, notes = sweep.sections_at(table, points)
     scales: dict[SurfaceSection, SurfaceScales] = {}
     choices: dict[str, None] = {}
     cases = tuple(_case(*each, folder, scales, choices) for each in zip(merged, points, places, strict=True))
@@ -149,7 +149,7 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
                 "-1 for the last"
             )
     keys = {dotted.rpartition(".")[2]: sweep.swept_key(dotted, written, cases) for dotted, written in swept.items()}
-    return Study(table, folder, cases, keys, sweep.without_effect(table, merged), tuple(choices))
+    return Study(table, folder, cases, keys, notes, tuple(choices))
 
 
 def _check_structure(table: dict[str, Any]) -> None:
@@ -255,7 +255,14 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
         kind = next((kind for kind, one in ELASTICITIES.declared.items() if one.makes is type(solid)), None)
         if kind is None:
             raise InputError(f"elasticity: no keys of a study make a {type(solid).__name__}; use rough_contact")
-        ratio = _poissons_ratio(solid, material)
+        given, ratio = material.get("poissons_ratio"), getattr(solid, "poissons_ratio", None)
+        if given is not None:
+            said = POISSONS_RATIO[0](given, "material.poissons_ratio")
+            if ratio not in (None, said):
+                raise InputError(f"material.poissons_ratio = {given!r}: the solid's is {ratio:g}; leave it out")
+            ratio = said
+        if ratio is None:
+            raise InputError(f"missing key material.poissons_ratio: {type(solid).__name__} has a contact modulus alone")
         own = {"kind": kind, **ELASTICITIES.declared[kind].keys_from(solid, ratio)}
         found["elasticity"] = _joined("elasticity", own, beside)
         modulus = solid.contact_modulus * (1 - ratio**2)
@@ -274,16 +281,3 @@ def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> 
     if twice := [name for name in beside if name in own]:
         raise InputError(f"{section}.{twice[0]}: the object in this section has its own; leave it out")
     return {**own, **beside}
-
-
-def _poissons_ratio(solid: Elasticity, material: Mapping[str, Any]) -> float:
-    """ν of a solid, its own or the material's."""
-    given, ratio = material.get("poissons_ratio"), getattr(solid, "poissons_ratio", None)
-    if given is not None:
-        said = POISSONS_RATIO[0](given, "material.poissons_ratio")
-        if ratio not in (None, said):
-            raise InputError(f"material.poissons_ratio = {given!r}: the solid's is {ratio:g}; leave it out")
-        ratio = said
-    if ratio is None:
-        raise InputError(f"missing key material.poissons_ratio: {type(solid).__name__} has a contact modulus alone")
-    return ratio

@@ -61,33 +61,31 @@ def check(table: dict[str, Any]) -> None:
                 raise InputError(f"override: {dotted} is one for the whole study and cannot differ between points")
 
 
-def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The sections of a study's table at each point: with swept values and exceptions, without keys of other kinds."""
-    merged = []
+def sections_at(
+    table: dict[str, Any], points: Sequence[dict[str, Any]]
+) -> tuple[list[dict[str, Any]], tuple[str, ...]]:
+    """The sections at each point, with swept values and exceptions, and in words the exceptions that no point makes."""
+    merged, exceptions, made = [], table.get("override", []), {0}
     for point in points:
         one: dict[str, Any] = {name: dict(table.get(name, {})) for name in SECTIONS}
-        for item in ({"when": {}, **point}, *table.get("override", [])):
-            for dotted, value in item.items() if _matches(one, item["when"]) else ():
-                section, _, name = dotted.partition(".")
-                if dotted != "when":
-                    one[section][name] = value
+        for number, item in enumerate([{"when": {}, **point}, *exceptions]):
+            if _matches(one, item["when"]):
+                made.add(number)
+                for dotted in [name for name in item if name != "when"]:
+                    section, _, name = dotted.partition(".")
+                    one[section][name] = item[dotted]
         merged.append(one)
     for section, kinds in SECTIONS.items():
         if isinstance(kinds, TaggedUnion):
             present = [kind for one in merged if (kind := kinds.section_of(one[section])) is not None]
             used = {name for kind in set(present) for name in keys_of(kind)}
-            for one in merged:  # what no kind of them has stays, to be refused
+            for one in merged:  # keys of other points' kinds go; what no kind of them has stays, to be refused
                 other = [name for name in one[section] if name in used and not kinds.has(one[section], name)]
                 one[section] = {name: value for name, value in one[section].items() if name not in other}
-    return merged
-
-
-def without_effect(table: dict[str, Any], merged: Sequence[dict[str, Any]]) -> tuple[str, ...]:
-    """The exceptions that none of the points, given by their sections, makes; in words."""
-    return tuple(
+    return merged, tuple(
         f"override {number} ({', '.join(f'{k} = {v!r}' for k, v in item['when'].items())}) matches no point"
-        for number, item in enumerate(table.get("override", []), 1)
-        if not any(_matches(one, item["when"]) for one in merged)
+        for number, item in enumerate(exceptions, 1)
+        if number not in made
     )
 
 

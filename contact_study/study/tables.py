@@ -150,10 +150,33 @@ def _words(spectrum: Any) -> list[Any]:
 
 
 def _columns(path: Path, key: str, given: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
+    """The rows that hold a spectrum; those at the ends whose power is none, or a transform's rounding, are outside."""
     where = f"{key}: {path}"
     columns, said = _netcdf(path, where) if path.suffix.lower() == ".nc" else _text(path, key, where)
     about = zip(columns, _NAMES, _UNIT_KEYS, said, given, _SI, strict=True)
-    return _checked(where, *(column * _factor(where, *words) for column, *words in about))
+    q, density = (column * _factor(where, *words) for column, *words in about)
+    for name, column, si, wrong in zip(_NAMES, (q, density), _SI, (q <= 0, density < 0), strict=True):
+        bad = ~np.isfinite(column) | wrong
+        if bad.any():
+            row = int(np.argmax(bad))
+            raise InputError(f"{where}, row {row + 1}: {name} {column[row]:g} {si}; must be a positive number")
+    falling = np.flatnonzero(np.diff(q) <= 0)
+    if falling.size:
+        row = int(falling[0]) + 1
+        raise InputError(f"{where}, row {row + 1}: wavevector {q[row]:g} m^-1 after {q[row - 1]:g}; they must rise")
+    held = np.flatnonzero(density > _ROUNDING * density.max(initial=0.0))
+    if held.size < 2:
+        raise InputError(f"{where} holds {held.size} rows with power; a spectrum needs two, a range of wavevectors")
+    if held.size > _MOST:
+        raise InputError(f"{where} holds {held.size} rows; average it to {_MOST} at most")
+    q, density = q[held[0] : held[-1] + 1], density[held[0] : held[-1] + 1]
+    if not density.all():
+        row = held[0] + int(np.argmin(density))
+        raise InputError(f"{where}, row {row + 1}: power 0 m^4 between others; leave such rows out")
+    for name, column, si in zip(_NAMES, (q, density), _SI, strict=True):
+        for value in (column.min(), column.max()):
+            units.quantity(float(value), si, f"{where}, {name}")
+    return q, density
 
 
 def _factor(where: str, name: str, key: str, own: str | None, asked: Any, si: str) -> float:
@@ -217,29 +240,3 @@ def _netcdf(path: Path, where: str) -> tuple[np.ndarray, list[str | None]]:
     there = np.isfinite(axis.values)  # surfaces of fewer wavevectors are padded
     said = [variable.attrs.get("units") for variable in (axis, density)]
     return np.stack([axis.values, density.values])[:, there], said
-
-
-def _checked(where: str, q: np.ndarray, density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The rows that hold a spectrum; those at the ends whose power is none, or a transform's rounding, are outside."""
-    for name, column, si, wrong in zip(_NAMES, (q, density), _SI, (q <= 0, density < 0), strict=True):
-        bad = ~np.isfinite(column) | wrong
-        if bad.any():
-            row = int(np.argmax(bad))
-            raise InputError(f"{where}, row {row + 1}: {name} {column[row]:g} {si}; must be a positive number")
-    falling = np.flatnonzero(np.diff(q) <= 0)
-    if falling.size:
-        row = int(falling[0]) + 1
-        raise InputError(f"{where}, row {row + 1}: wavevector {q[row]:g} m^-1 after {q[row - 1]:g}; they must rise")
-    held = np.flatnonzero(density > _ROUNDING * density.max(initial=0.0))
-    if held.size < 2:
-        raise InputError(f"{where} holds {held.size} rows with power; a spectrum needs two, a range of wavevectors")
-    if held.size > _MOST:
-        raise InputError(f"{where} holds {held.size} rows; average it to {_MOST} at most")
-    q, density = q[held[0] : held[-1] + 1], density[held[0] : held[-1] + 1]
-    if not density.all():
-        row = held[0] + int(np.argmin(density))
-        raise InputError(f"{where}, row {row + 1}: power 0 m^4 between others; leave such rows out")
-    for name, column, si in zip(_NAMES, (q, density), _SI, strict=True):
-        for value in (column.min(), column.max()):
-            units.quantity(float(value), si, f"{where}, {name}")
-    return q, density

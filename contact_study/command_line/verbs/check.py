@@ -5,7 +5,7 @@ import math
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contact_study.command_line.frame import MODELS, epilog, print_table, say
 from contact_study.inputs.errors import DONE, WRONG_INPUT, InputError
@@ -87,21 +87,21 @@ def _extent(study: "Study") -> Iterator[str]:
     from contact_study.inputs.units import length
 
     steps = [len(case.path) for case in study.cases]
-    swept = "; ".join(f"{name}: {_listed(key.values)}" for name, key in study.sweep.items())
+    swept = []
+    for name, key in study.sweep.items():
+        values = [f"{value:.4g}" if isinstance(value, float) else str(value) for value in key.values]
+        swept.append(
+            f"{name}: " + ", ".join(values if len(values) <= 6 else [values[0], f"{values[1]} ... {values[-1]}"])
+        )
     each = f"{steps[0]} load steps" if min(steps) == max(steps) else f"{min(steps)} to {max(steps)} load steps"
     cases = f"1 case of {each}" if len(steps) == 1 else f"{len(steps)} cases of {each}, {sum(steps)} in all"
-    yield f"{cases}{f' ({swept})' if swept else ''}"
+    yield f"{cases} ({'; '.join(swept)})" if swept else cases
     grids = {(case.scales.shape, case.scales.size) for case in study.cases if not case.surface.absent}
     for shape, size in sorted(grids)[:3]:
         spacing = max(side / points for side, points in zip(size, shape, strict=True))
         yield f"{shape[0]} x {shape[1]} points on {length(*size)} (y, x), spacing {length(spacing)}"
     if len(grids) > 3:
         yield f"and {len(grids) - 3} other grids"
-
-
-def _listed(values: Sequence[Any]) -> str:
-    words = [f"{value:.4g}" if isinstance(value, float) else str(value) for value in values]
-    return ", ".join(words) if len(words) <= 6 else f"{words[0]}, {words[1]} ... {words[-1]}"
 
 
 def _expected(cases: Sequence[dict[int, float]]) -> Iterator[tuple[str, str, str]]:

@@ -1,7 +1,6 @@
 """Compare datasets, or report on one."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 
 from contact_study.command_line.frame import epilog
@@ -37,7 +36,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(given: argparse.Namespace) -> int:
     """Compare."""
-    from contact_study.campaign.store.files import named_file
+    from contact_study.campaign.store.files import named_file, real
     from contact_study.inputs import units
 
     output, figures, report = given.output, given.figures, given.report
@@ -51,22 +50,9 @@ def run(given: argparse.Namespace) -> int:
         if figures
     }
     planned = [output, *([report] if report else []), *(path for files in pictures.values() for path in files.values())]
-    _check_outputs(planned, [*given.datasets, *([given.scatter] if given.scatter else [])], overwrite=given.overwrite)
-    pressure = given.reference_pressure
-    reference = units.quantity(pressure, "Pa", "--reference-pressure") if pressure else None
-    from contact_study.report.comparison import Request, compare
-
-    about = given.average, given.scatter, given.command, given.arguments
-    return compare(Request(given.datasets, output, report, pictures, reference, *about))
-
-
-def _check_outputs(planned: Sequence[Path], datasets: Sequence[Path], *, overwrite: bool) -> None:
-    from contact_study.campaign.store.files import real
-
-    sources = {real(path) for path in datasets}
-    seen: set[str] = set()
-    if planned[0].suffix != ".nc":
-        raise InputError(f"{planned[0]}: a comparison is written as NetCDF; expected a name that ends in .nc")
+    if output.suffix != ".nc":
+        raise InputError(f"{output}: a comparison is written as NetCDF; expected a name that ends in .nc")
+    sources, seen = {real(path) for path in (*given.datasets, given.scatter) if path}, set[str]()
     for path in planned:
         if real(path) in sources:
             raise InputError(f"{path}: is one of the datasets to compare; choose another output")
@@ -75,5 +61,11 @@ def _check_outputs(planned: Sequence[Path], datasets: Sequence[Path], *, overwri
         seen.add(real(path))
         if path.is_dir():
             raise InputError(f"{path}: is a folder; name a file")
-        if path.exists() and not overwrite:
+        if path.exists() and not given.overwrite:
             raise InputError(f"{path} exists; use --overwrite to replace it")
+    pressure = given.reference_pressure
+    reference = units.quantity(pressure, "Pa", "--reference-pressure") if pressure else None
+    from contact_study.report.comparison import Request, compare
+
+    about = given.average, given.scatter, given.command, given.arguments
+    return compare(Request(given.datasets, output, report, pictures, reference, *about))

@@ -243,7 +243,6 @@ class TaggedUnion:
         return self.declared.get(kind) if isinstance(kind, str) else None
 
     def has(self, table: Mapping[str, Any], name: str) -> bool:
-        """Test whether the kind that a table names has a key."""
         section = self.section_of(table)
         return section is None or name in keys_of(section)
 

@@ -221,16 +221,14 @@ class TheorySection:
                 raise InputError(f"theory.{error}") from None
 
     def table(self) -> TabulatedSpectrum:
-        """C(q) of the table."""
         return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
 
     def has(self, flow: str) -> bool:
         """Test whether a theory is solved beside Persson's."""
-        return flow == self.flows or (isinstance(self.flows, tuple) and flow in self.flows)
+        return flow in ((self.flows,) if isinstance(self.flows, str) else self.flows)
 
     @property
     def spectra(self) -> tuple[str, ...]:
-        """The spectra that are named, if any."""
         return (self.spectrum,) if isinstance(self.spectrum, str) else self.spectrum or ()
 
 
