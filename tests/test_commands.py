@@ -19,7 +19,6 @@ from contact_study.command_line.verbs import check
 from contact_study.command_line.verbs.plot import PICTURES
 from contact_study.results.schema import COORDINATES, VARIABLES
 from contact_study.start import bem_adhesion as program
-from contact_study.start import contact_compare as compare
 from contact_study.study.schema.dotted_keys import SECTIONS
 from contact_study.study.schema.keys import keys_of
 
@@ -139,11 +138,8 @@ def test_simulations_balance_and_count(folder, name):
 
 def test_own_path_reaches_the_predicted_states(folder, tmp_path):
     """In two processes and without the continuum's gap field the atoms end in the same states, to the tolerance."""
-    executable = Path(sys.executable).with_name("md-reference")
-    done = subprocess.run(
-        [executable, folder / "study.toml", "-o", tmp_path / "own.nc"], capture_output=True, text=True
-    )
-    assert (done.returncode, done.stdout) == (0, f"{tmp_path / 'own.nc'}\n"), done.stderr
+    command = [Path(sys.executable).with_name("md-reference"), folder / "study.toml", "-o", tmp_path / "own.nc"]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == f"{command[-1]}\n"
     with xr.open_dataset(folder / "md.nc") as predicted, xr.open_dataset(tmp_path / "own.nc") as own:
         present = np.isfinite(own.applied_pressure.values)
         area = np.abs(predicted.relative_contact_area - own.relative_contact_area).values[present]
@@ -151,16 +147,6 @@ def test_own_path_reaches_the_predicted_states(folder, tmp_path):
         # One atom of 1024; residual 1e-8 E* over the softest stiffness of the system, E* q_L / 2, is 3e-17 m.
         assert area.max() <= 1 / 1024
         assert gap.max() < 1e-15
-
-
-def test_unreadable_dataset_is_named(folder, tmp_path, capsys):
-    damaged = tmp_path / "bem.nc"
-    damaged.write_bytes((folder / "bem.nc").read_bytes()[:5000])
-    assert compare([str(damaged), str(folder / "md.nc"), "-o", str(tmp_path / "comparison.nc")]) == 1
-    error = capsys.readouterr().err
-    assert str(damaged) in error
-    assert error.count("\n") == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["bem.nc"]
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -244,9 +230,7 @@ def test_check_refuses_what_a_run_refuses(verb, tmp_path):
     assert said.count(" no ") == 3
 
 
-@pytest.mark.parametrize(
-    "picture", ["area", "gap", "map", "pressure", "contact", "section", "heights", "stresses", "gaps"]
-)
+@pytest.mark.parametrize("picture", ["area", "gap", "map", "contact", "section", "heights", "stresses"])
 def test_a_picture_is_drawn(verb, tmp_path, picture):
     status, said, errors = verb("plot", "bem.nc", picture, "-o", tmp_path / "a.png")
     assert (status, said) == (0, f"{tmp_path / 'a.png'}\n")
@@ -275,8 +259,8 @@ def test_the_table_has_every_case_and_step(folder, verb, tmp_path):
     assert len(frame) == 5
     assert set(frame.branch) == {"loading"}
     with xr.open_dataset(folder / "bem.nc") as dataset:
-        expected = dataset.mean_gap.sel(well_depth_ratio=4).values
-    np.testing.assert_allclose(frame["mean_gap (m)"][frame.well_depth_ratio == 4], expected, rtol=1e-8)  # nine digits
+        gaps = dataset.mean_gap.sel(well_depth_ratio=4)
+        np.testing.assert_allclose(frame["mean_gap (m)"][frame.well_depth_ratio == 4], gaps, rtol=1e-8)  # nine digits
     status, _, errors = verb("export", "bem.nc", "--csv", "-o", table)
     assert (status, errors.count("\n")) == (1, 1)
     assert verb("export", "bem.nc", "--csv", "-o", table, "--overwrite", "--case", "well_depth_ratio=1")[0] == 0

@@ -49,10 +49,7 @@ def epilog(*examples: str, solves: bool = False) -> str:
 
 
 def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
-    """Part options of the form ``--section.key VALUE`` from the others; InputError for a key that no study has.
-
-    A value is read as TOML writes it, anything else is a string; it may begin with a minus sign.
-    """
+    """Part options ``--section.key VALUE``, values as TOML writes them or text, from the others."""
     others, keys, left = list[str](), dict[str, Any](), iter(arguments)
     for argument in left:
         found = _KEY.fullmatch(argument)

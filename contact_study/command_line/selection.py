@@ -46,17 +46,16 @@ def selected(dataset: "xr.Dataset", cases: Sequence[str], step: int | None) -> "
     """Return the cases, and the load step, that are asked for."""
     from contact_study.study.schema.keys import suggestion
 
-    for asked in cases:
-        for part in asked.split(","):
-            key, _, value = (words.strip() for words in part.partition("="))
-            dims = case_dims(dataset)
-            if key not in dims:
-                known = ", ".join(dims) or "one case only"
-                raise InputError(f"--case {part}: no swept key{suggestion(key, dims)}; there is {known}")
-            places = [n for n, one in enumerate(dataset[key].values) if _same(one, value, dataset[key])]
-            if not places:
-                raise InputError(f"--case {part}: the dataset has {key} {_values(dataset[key])}")
-            dataset = dataset.isel({key: places[0]})
+    for part in [part for asked in cases for part in asked.split(",")]:
+        key, _, value = (words.strip() for words in part.partition("="))
+        dims = case_dims(dataset)
+        if key not in dims:
+            known = ", ".join(dims) or "one case only"
+            raise InputError(f"--case {part}: no swept key{suggestion(key, dims)}; there is {known}")
+        place = next((n for n, one in enumerate(dataset[key].values) if _same(one, value, dataset[key])), None)
+        if place is None:
+            raise InputError(f"--case {part}: the dataset has {key} {_values(dataset[key])}")
+        dataset = dataset.isel({key: place})
     if step is not None:
         steps = dataset.sizes["step"]
         if not -steps <= step < steps:
@@ -66,10 +65,7 @@ def selected(dataset: "xr.Dataset", cases: Sequence[str], step: int | None) -> "
 
 
 def one_case(dataset: "xr.Dataset", must_choose: Path | None = None) -> "tuple[xr.Dataset, list[str]]":
-    """Return a single case, the last one unless it is chosen, and the choice in words.
-
-    Raises InputError on the file ``must_choose`` if there are several.
-    """
+    """Return a single case, the last of several (not of a file ``must_choose``), and the choice in words."""
     chosen = []
     for dim in case_dims(dataset):
         values, several = _values(dataset[dim]), dataset.sizes[dim] > 1

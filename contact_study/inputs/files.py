@@ -41,10 +41,7 @@ def require_file(path: Path, name: str) -> None:
 
 
 def cache_folder() -> Path:
-    """Folder of the user, or the one that ``BEM_ADHESION_CACHE`` names; it need not exist or be writable.
-
-    Others may write into a named folder: nothing in it is executed.
-    """
+    """Folder of the user, or the one that ``BEM_ADHESION_CACHE`` names, where others may write: nothing is executed."""
     return Path(os.environ.get("BEM_ADHESION_CACHE") or own_cache_folder())
 
 
@@ -54,10 +51,7 @@ def own_cache_folder() -> Path:
 
 
 def has_locks(folder: Path) -> bool:
-    """Test whether files in a folder can be locked: some file systems of clusters refuse, or wait for ever.
-
-    Raises OSError if no file can be made there.
-    """
+    """Test whether files in a folder can be locked, which some clusters refuse; OSError if no file can be made."""
     if fcntl is None:
         return True
     with tempfile.TemporaryFile(dir=folder) as probe:

@@ -1,7 +1,4 @@
-"""Plug-ins: modules that call :func:`contact_study.register_law` and its like when they are imported.
-
-A package names them under the entry points ``contact_study.plugins``; they then work in every command and worker.
-"""
+"""Plug-ins: modules under a package's entry points, which call :func:`contact_study.register_law` and its like."""
 
 from contact_study.inputs.errors import InputError
 

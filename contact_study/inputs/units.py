@@ -57,10 +57,7 @@ def _registry() -> Any:
 
 
 def quantity(value: Any, unit: str, name: str) -> float:
-    """Convert a number in SI, or a string with a unit, such as ``"10 angstrom"``, to an SI float.
-
-    ``unit`` is ``"1"`` for a pure number; InputError if the value is no finite number of a sensible size and that unit.
-    """
+    """Convert a number in SI, or a string with a unit, to an SI float; ``unit`` is ``"1"`` for a pure number."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{name} = {value!r}: expected {_expected(unit)}")
     try:

@@ -1,7 +1,4 @@
-"""The ranges over which a study's distributions are resolved, chosen from its spectra, moduli, laws and paths.
-
-No realisation has a say: two seeds of one study have the same bins, and their datasets concatenate.
-"""
+"""Ranges of a study's distributions, by spectra, moduli, laws and paths: two seeds of one study have the same bins."""
 
 import numpy as np
 

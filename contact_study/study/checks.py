@@ -1,7 +1,4 @@
-"""Warnings of a study before it runs: implausible values, suspicious height maps, keys without effect.
-
-Every criterion is a ratio of the study's scales, or a size that no useful surface has.
-"""
+"""Warnings of a study before it runs: implausible values, suspicious height maps, keys without effect."""
 
 import dataclasses
 from collections.abc import Callable, Sequence

@@ -228,11 +228,7 @@ def _with_length(
 
 
 def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
-    """Replace laws and solids among the sections of a study by keys.
-
-    ``interaction``, or its ``law``, may be a :class:`TractionLaw`; ``elasticity``, or its ``kind``, an
-    :class:`Elasticity`, whose contact modulus then is the material's.
-    """
+    """Replace laws and solids, in place of ``interaction`` or its ``law``, ``elasticity`` or its ``kind``, by keys."""
     found = dict(study)
     law, beside = _object(found.get("interaction"), "law", TractionLaw)
     if law is not None:

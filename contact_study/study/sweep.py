@@ -24,7 +24,6 @@ class SweptKey:
 def check(table: dict[str, Any]) -> None:
     """Raise InputError unless the sweep and the exceptions of a study's table can be made."""
     swept: dict[str, Any] = table.get("sweep", {})
-    seen: set[str] = set()
     for dotted, values in swept.items():
         section, name = split(dotted, "sweep")
         if section in WHOLE_STUDY:
@@ -39,9 +38,8 @@ def check(table: dict[str, Any]) -> None:
             raise InputError(f'sweep.{dotted}: "{AUTO}" is no number to sweep over; give it in [[override]]')
         if any(isinstance(value, list | dict) for value in values):
             raise InputError(f"sweep.{dotted}: each value must be a number or a text")
-        if name in seen:
+        if sum(other.rpartition(".")[2] == name for other in swept) > 1:
             raise InputError(f"sweep: two swept keys are called {name}")
-        seen.add(name)
         if name in table.get(section, {}):  # a value that the sweep replaces is written there to be read, too
             read(dotted, table[section][name])
     exceptions = table.get("override", [])
@@ -50,11 +48,11 @@ def check(table: dict[str, Any]) -> None:
     for item in exceptions:
         if not isinstance(item.get("when"), dict) or not item["when"]:
             raise InputError('override: needs when = { "section.key" = value }')
-        changes = {dotted: value for dotted, value in item.items() if dotted != "when"}
-        for dotted, value in [*item["when"].items(), *changes.items()]:
-            split(dotted, "override")
-            read(dotted, value, "override: ")
-        for dotted in changes:
+        for dotted, value in [*item["when"].items(), *item.items()]:
+            if dotted != "when":
+                split(dotted, "override")
+                read(dotted, value, "override: ")
+        for dotted in item:
             if dotted in swept:
                 raise InputError(f"override: {dotted} is swept; an override may change other keys only")
             if dotted.partition(".")[0] in WHOLE_STUDY:

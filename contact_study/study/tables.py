@@ -13,9 +13,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
 from contact_study.physics.roughness.spectrum import TabulatedSpectrum
 
-# Letters of a line that a message shows.
-_SHOWN = 40
-
+_SHOWN = 40  # letters of a line in a message
 FILE, TABLE = "file", "table"
 _KEY, _UNIT_KEYS = "spectrum_path", ("wavevector_unit", "density_unit")
 _SI, _NAMES = ("m^-1", "m^4"), ("wavevector", "power")
@@ -57,10 +55,7 @@ def _text_of(path: Path, name: str) -> str:
 
 
 def with_columns(table: Mapping[str, Any], section: str, columns: Mapping[str, str], directory: Path) -> dict[str, Any]:
-    """Replace the key ``path`` of a section by the columns of the file that it names: a study holds all its numbers.
-
-    ``columns`` gives the SI unit of each column's key, which its file has unless the key of its unit says another.
-    """
+    """Replace the key ``path`` of a section by the columns of its file, in SI; a study holds its numbers."""
     if not columns or not isinstance(table.get("path"), str):
         return dict(table)
     beside = [name for name in columns if name in table]

@@ -87,19 +87,15 @@ def test_sweep_expands_with_the_last_key_fastest():
 SWEPT = changed("sweep", **{"interaction.well_depth_ratio": [1, 4]})
 
 
-@pytest.mark.parametrize(
-    ("key", "written", "values"),
-    [
-        ("surface.seed", "1,2, 5", (1, 2, 5)),
-        ("interaction.well_depth_ratio", 7, (7.0,)),
-        ("interaction.well_depth_ratio", [2, 3], (2.0, 3.0)),
-    ],
-)
-def test_the_command_line_sweeps_by_lists_and_replaces_sweeps(tmp_path, key, written, values):
-    study = read(tmp_path, SWEPT, {key: written})
-    assert study.sweep[key.partition(".")[2]].values == values
-    section, _, name = key.partition(".")
-    assert {getattr(getattr(case, section), name) for case in study.cases} == set(values)
+def test_the_command_line_sweeps_by_lists_and_replaces_sweeps(tmp_path):
+    for section, name, written, values in (
+        ("surface", "seed", "1,2, 5", (1, 2, 5)),
+        ("interaction", "well_depth_ratio", 7, (7.0,)),
+        ("interaction", "well_depth_ratio", [2, 3], (2.0, 3.0)),
+    ):
+        study = read(tmp_path, SWEPT, {f"{section}.{name}": written})
+        assert study.sweep[name].values == values
+        assert {getattr(getattr(case, section), name) for case in study.cases} == set(values)
 
 
 def test_lists_of_keys_that_take_them_are_no_sweeps_and_others_are_refused(tmp_path):
@@ -115,18 +111,13 @@ def test_lists_of_keys_that_take_them_are_no_sweeps_and_others_are_refused(tmp_p
             read(tmp_path, TABLE, {key: value})
 
 
-@pytest.mark.parametrize(
-    "when",
-    [
-        *({"interaction.well_depth_ratio": written} for written in (4, 4.0, "4")),
-        {"interaction.well_depth_ratio": 4, "surface.size": "104 nm"},
-        {"interaction.well_depth_ratio": 4, "surface.size": [1.04e-7, "1040 angstrom"], "surface.hurst_exponent": 0.8},
-    ],
-)
-def test_exceptions_match_however_the_value_is_written(when):
-    study = make_study(SWEPT | {"override": [{"when": when, "loading.path": ["2 GPa"]}]})
-    assert [len(case.path) for case in study.cases] == [2, 1]
-    assert study.notes == ()
+def test_exceptions_match_however_the_value_is_written():
+    size = {"surface.size": [1.04e-7, "1040 angstrom"], "surface.hurst_exponent": 0.8}
+    for written, others in ((4, {}), (4.0, {"surface.size": "104 nm"}), ("4", size)):
+        exception = {"when": {"interaction.well_depth_ratio": written, **others}, "loading.path": ["2 GPa"]}
+        study = make_study(SWEPT | {"override": [exception]})
+        assert [len(case.path) for case in study.cases] == [2, 1]
+        assert study.notes == ()
 
 
 def test_exceptions_without_a_point_are_noted_and_the_command_line_has_the_last_word(tmp_path):
@@ -239,31 +230,22 @@ def test_lists_as_people_type_them(section, name, written, value):
 
 
 def test_hard_wall_needs_neither_adhesion_nor_tension():
-    table = changed("interaction") | {"interaction": {"law": "hard_wall"}}
-    assert make_study(table).cases[0].work_of_adhesion == 0.0
-    table["interaction"]["work_of_adhesion"] = 0.69
+    table = changed("study") | {"interaction": {"law": "hard_wall", "work_of_adhesion": 0.69}}
     assert make_study(table).cases[0].work_of_adhesion == 0.0
     table["loading"]["path"] = ["-0.1 GPa"]
     with pytest.raises(InputError, match="hard wall"):
         make_study(table)
 
 
-@pytest.mark.parametrize(
-    ("content", "culprit"),
-    [
-        (None, "cannot be read"),
-        (b"\xff\xfe\x00", "no text"),
-        (b"[surface\n", "no valid TOML"),
-        (b"surface = 3", "surface = 3"),
-        (b"override = 3", "override"),
-    ],
-)
-def test_unreadable_study(tmp_path, content, culprit):
+def test_unreadable_study(tmp_path):
     path = tmp_path / "study.toml"
-    if content is not None:
-        path.write_bytes(content)
-    with pytest.raises(InputError, match=culprit):
-        read_study(path, {"surface.seed": 2})
+    for content, culprit in (
+        *((b"\xff\xfe\x00", "no text"), (b"[surface\n", "no valid TOML")),
+        *((b"surface = 3", "surface = 3"), (b"override = 3", "override"), (None, "cannot be read")),
+    ):
+        path.write_bytes(content) if content else path.unlink()
+        with pytest.raises(InputError, match=culprit):
+            read_study(path, {"surface.seed": 2})
 
 
 def test_a_lattice_that_does_not_fit_the_cell_is_told_of_one_that_does():

@@ -23,7 +23,7 @@ def run(given: argparse.Namespace) -> int:
     """List sections, or the keys of one."""
     from contact_study.inputs import plugins
     from contact_study.study.schema.dotted_keys import all_keys
-    from contact_study.study.schema.keys import TaggedUnion, default_of, keys_of, suggestion
+    from contact_study.study.schema.keys import TaggedUnion, as_written, default_of, keys_of, suggestion
 
     plugins.load()
     sections = _sections()
@@ -48,11 +48,13 @@ def run(given: argparse.Namespace) -> int:
     elif given.kind is not None:
         raise InputError(f"--kind {given.kind}: section {name} has no kinds")
     say(f"{title}: {_summary(declared)}. Read by: {_readers(name)}.", "bold")
-    listed = [
-        (f"{name}.{key}", *_described(one.kind, tagged.get(key, default_of(declared, key)), one.description))
-        for key, one in keys_of(declared).items()
-        if only in ("", key)
-    ]
+    listed = []
+    for key, one in [(key, one) for key, one in keys_of(declared).items() if only in ("", key)]:
+        default, kind, meaning = tagged.get(key, default_of(declared, key)), one.kind, one.description
+        words = "required" if default is dataclasses.MISSING else "none" if default is None else as_written(default)
+        if " | " in kind and len(kind) > _LONG:
+            kind, meaning = "word", f"{meaning}: {kind.replace(' | ', ', ')}"
+        listed.append((f"{name}.{key}", kind, words, meaning))
     print_table(("key", "value", "default", "meaning"), listed)
     if isinstance(declared, TaggedUnion) and not only:
         say(f"--kind shows the keys of one alone: {', '.join(declared.declared)}.")
@@ -63,15 +65,6 @@ def _sections() -> dict[str, Any]:
     from contact_study.study.schema.dotted_keys import SECTIONS
 
     return SECTIONS
-
-
-def _described(kind: str, default: Any, meaning: str) -> tuple[str, str, str]:
-    from contact_study.study.schema.keys import as_written
-
-    words = "required" if default is dataclasses.MISSING else "none" if default is None else as_written(default)
-    if " | " in kind and len(kind) > _LONG:
-        return "word", words, f"{meaning}: {kind.replace(' | ', ', ')}"
-    return kind, words, meaning
 
 
 def _readers(section: str) -> str:

@@ -55,11 +55,10 @@ def read(dotted: str, value: Any, where: str = "") -> Any:
 
 def is_sweep(dotted: str, value: Any, several: Any) -> bool:
     """Test whether a value is a list of values for a key that takes one."""
-    if not isinstance(several, list) or not several:
+    if not isinstance(several, list) or not several or _reads(dotted, value):
         return False
-    if _reads(dotted, value) or _reads(dotted, several[:1]):  # a list for a key of lists has its own message
-        return False
-    return all(_reads(dotted, one) for one in several)
+    # A list for a key of lists has its own message.
+    return not _reads(dotted, several[:1]) and all(_reads(dotted, one) for one in several)
 
 
 def _reads(dotted: str, value: Any) -> bool:
@@ -79,10 +78,9 @@ def same(one: Any, other: Any) -> bool:
 
 
 def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
-    """Put keys, by their dotted names, in place of those of a study's table; raise InputError for unknown ones.
+    """Put keys, by their dotted names, in place of those of a study's table; a list may sweep a key of one value.
 
-    A swept key takes a value or a list; a list for a key that takes one value sweeps it. The table loses its exceptions
-    for these keys, and keys of other kinds than one chosen here.
+    The table loses its exceptions for these keys, and keys of other kinds than one chosen here.
     """
     dotted_parts = [table.get("sweep", {}), *table.get("override", [])]
     for dotted, value in overrides.items():
