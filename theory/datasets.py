@@ -21,9 +21,8 @@ def dataset_of(
 ) -> "xr.Dataset":
     """The dataset of one state.
 
-    Quantities go by their names in the schema; distributions are functions from the edges of bins to the means in them.
-    By the same names go their edges or None, and the range of the even ones that there are by default. ``further`` has
-    coordinates of dimensions that are not bins, such as ``wavevector`` (1/m).
+    Quantities go by their names in the schema; distributions are functions from edges of bins to means, and ``bins``
+    has their edges or None, and the range of even ones. ``further`` has other coordinates, such as ``wavevector``.
     """
     import xarray as xr  # slow to import
 

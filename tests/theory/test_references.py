@@ -15,6 +15,11 @@ def test_maugis_pull_off_and_parameter():
     for peak, ratio in ((16 / (9 * np.sqrt(3)), 1.1570), (1.8850, 2.125)):
         found = reference.maugis_parameter(**arguments, peak_tensile_stress=peak * 0.05 / length)
         assert found / tabor == pytest.approx(ratio, abs=5e-4)
+    # F/πwR and a/(3πwR²/4E*)^(1/3): DMT a³ = F + 2, JKR F = a³ − a√(6a).
+    load, radius = reference.maugis_dugdale_contact(1e-3, np.array([50.0, 100.0, 200.0]))
+    np.testing.assert_allclose(radius**3, load + 2, rtol=0.02, atol=0.02)
+    load, radius = reference.maugis_dugdale_contact(30.0, np.array([1e-3, 2e-3]))
+    np.testing.assert_allclose(load, radius**3 - radius * np.sqrt(6 * radius), rtol=0.02)
 
 
 def test_jkr_and_dmt_limits():
@@ -40,27 +45,16 @@ def test_hertz_pressure_carries_the_force():
     assert pressure[-1] == 0
 
 
-def test_wave_closes_and_snaps():
+def test_waves_close_and_snap_and_an_egg_box_has_its_limits():
     assert reference.wave_relative_area(1.0) == pytest.approx(1)
     assert reference.wave_relative_pressure(reference.wave_relative_area(0.3)) == pytest.approx(0.3)
     assert reference.wave_relative_mean_gap(1e-9, 0.0) == pytest.approx(1)
     area = np.linspace(0.001, 0.999, 10000)
     assert reference.wave_relative_pressure(area, 0.56).max() > 0
     assert reference.wave_relative_pressure(area, 0.575).max() < 0
-
-
-def test_egg_box_limits_join_at_full_contact():
     assert reference.egg_box_heavy_area(1.0) == 1
     expected = 2 * np.pi * (3 * np.sqrt(2) * 1e-6 / (32 * np.pi)) ** (2 / 3)
     assert reference.egg_box_light_area(1e-6) == pytest.approx(expected)
-
-
-def test_the_curve_of_maugis_goes_over_into_both_limits():
-    # F/πwR and a/(3πwR²/4E*)^(1/3): DMT a³ = F + 2, JKR F = a³ − a√(6a).
-    load, radius = reference.maugis_dugdale_contact(1e-3, np.array([50.0, 100.0, 200.0]))
-    np.testing.assert_allclose(radius**3, load + 2, rtol=0.02, atol=0.02)
-    load, radius = reference.maugis_dugdale_contact(30.0, np.array([1e-3, 2e-3]))
-    np.testing.assert_allclose(load, radius**3 - radius * np.sqrt(6 * radius), rtol=0.02)
 
 
 @pytest.mark.parametrize(

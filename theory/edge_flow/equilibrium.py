@@ -103,8 +103,8 @@ def _shortened(
 def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
     """The cost of modulating a wave, compared with a half-space: g = 1 there, 0 where all waves are as stiff.
 
-    With a modulation p 1/(K(q) + c) becomes the mean of 1/(K(|q + p|) + c) over directions, by which K(q) seems to
-    grow: at p = 2q and c = K(q), over the half-space's growth. Where long waves are stiffer it costs nothing.
+    1/(K(q) + c) becomes the mean of 1/(K(|q + p|) + c) over directions, here at p = 2q and c = K(q), by which K(q)
+    seems to grow. Where long waves are stiffer it costs nothing.
     """
     angles = (np.arange(64) + 0.5) * np.pi / 64  # the midpoint rule converges exponentially on a period
     together = np.sqrt(1 + _DEFAULT.modulation**2 + 2 * _DEFAULT.modulation * np.cos(angles))
@@ -231,9 +231,8 @@ class Problem:
 def curve(problem: Problem, far: float, near: float, highest: float, thorough: bool) -> tuple[tuple[Piece, ...], int]:
     """Pieces of the curve, from far to contact with falling mean gaps in each, and how many states were lost.
 
-    The first piece is the approach, from ``far`` away to a gap of ``near`` and a pressure of ``highest``, with states
-    that are not converged if it is the only one. Under strong adhesion it ends early: if ``thorough``, nearer states
-    are reached by adhesion that grows at one mean gap, and those of next to whole contact from contact outward.
+    The approach comes from ``far`` to a gap of ``near`` and a pressure of ``highest``. Where it ends early, nearer
+    states are reached, if ``thorough``, by adhesion that grows at one mean gap, and from contact outward.
     """
     x, options = problem.gaps, problem.options
     pieces: list[Piece] = []
@@ -289,8 +288,8 @@ def _follow(
 ) -> tuple[list[Equilibrium], bool]:
     """States from one on towards contact (way −1) or away from it (1), and whether the last ones were lost.
 
-    They are followed until two have passed or, in a row, as many as the patience were lost. They lie on nodes: the
-    scatter of a mean gap between nodes has an energy that would stand in the pressure as a ripple.
+    That is until two have passed or, in a row, as many as the patience were lost. States lie on nodes: between them
+    the scatter of the mean gap has an energy that would be a ripple of the pressure.
     """
     x, options = problem.gaps, problem.options
     node = int(np.argmin(np.abs(x - start.gap)))

@@ -36,11 +36,9 @@ def differences(x: np.ndarray) -> np.ndarray:
 def sweep(x, geometry, scales, kernel, traction, start, sharp, response, weights, gradients, answer, factors):
     """Follow the distribution from coarse to fine and the traction back; every scale's response to what they find.
 
-    Filled are ``weights`` P and ``gradients`` M = P <|∇u|²> finer than each scale, shape (k + 1, n), the last row the
-    coarsest; ``answer``, the response f of equilibrium to these weights and tractions, shape (k, n); and ``factors``,
-    shape (k, 3, n), those of each scale's diffusion, which the traction needs as the distribution does, transposed.
-    Given are φ' at the nodes, the weights at the mean gap to start from, and how many coarse scales are taken by the
-    Euler method. Returns the elastic energy of all scales.
+    Filled are ``weights`` P and ``gradients`` M finer than each scale, shape (k + 1, n); ``answer``, the response f of
+    equilibrium, (k, n); and ``factors`` of each scale's diffusion, (k, 3, n). Given are φ' at the nodes, the weights to
+    start from, and how many coarse scales are taken by the Euler method. Returns the elastic energy of all scales.
     """
     n = x.size
     stiffness, modulation, square, steps = scales
@@ -159,8 +157,8 @@ def _respond(x, cell, scale, kernel, curvature, weights, gradients, answer, rows
     """Solve for the response f by elimination of two-by-two blocks.
 
     K [(1 − g + g t + g s X) f + g (1 − t) z] + c f = K and (X + b) z = b f; s, t, b: slope, level, pole.
-    X = −(P q²)⁻¹ ∂ M ∂ with the means of P and M over the scale. Rows are times P, so that a node without weight has
-    no equation of its own; it is given the response of its curvature. Blocks are eliminated from both ends inward.
+    X = −(P q²)⁻¹ ∂ M ∂ with the means of P and M over the scale. Rows are times P: a node without weight is given the
+    response of its curvature. Blocks are eliminated from both ends inward.
     """
     n = x.size
     stiffness, modulation, square = scale

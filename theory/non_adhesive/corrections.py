@@ -93,16 +93,11 @@ class NonAdhesiveTheory:
     def at_pressure(self, pressure: float) -> "NonAdhesiveContact":
         """Find the contact at a mean pressure p > 0 (Pa)."""
         p = positive("pressure", pressure, "Pa")
-        root, energy = self._points
+        (root, energy), curves = self._points, self._curves
         x = p / root
-        rise = float(energy / root @ self._curves.slope(x))  # dU/dp
-        return NonAdhesiveContact(
-            self,
-            p,
-            float(energy @ self._curves.weight(x)),
-            float(energy / root @ self._curves.separation(x)),
-            p / rise if rise > 0 else np.inf,
-        )
+        rise = float(energy / root @ curves.slope(x))  # dU/dp
+        stored, gap = float(energy @ curves.weight(x)), float(energy / root @ curves.separation(x))
+        return NonAdhesiveContact(self, p, stored, gap, p / rise if rise > 0 else np.inf)
 
 
 @dataclass(frozen=True)
@@ -177,7 +172,11 @@ class _Curves:
 
     def __init__(self, correction: str, gamma: float):
         t = np.geomspace(1e-2, 1e12, 3000)
-        share = _share_of_variance(correction, gamma)
+        shares: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # dV_p/dV
+            "yang_persson": lambda area: gamma + (1 - gamma) * area**2,
+            "wang_mueser": lambda area: 5 / 9 - 2 / 9 * area**2 + 2 / 3 * area**4,
+        }
+        share = shares.get(correction, np.ones_like)
         area = erf(1 / np.sqrt(2 * t))
         if correction == "xu":
             s, rise = gamma + (1 - gamma) * area, 1 - gamma
@@ -225,12 +224,3 @@ class _Curves:
 
 
 _curves = lru_cache(maxsize=8)(_Curves)
-
-
-def _share_of_variance(correction: str, gamma: float) -> Callable[[np.ndarray], np.ndarray]:
-    """dV_p/dV as a function of A."""
-    if correction == "yang_persson":
-        return lambda area: gamma + (1 - gamma) * area**2
-    if correction == "wang_mueser":
-        return lambda area: 5 / 9 - 2 / 9 * area**2 + 2 / 3 * area**4
-    return np.ones_like

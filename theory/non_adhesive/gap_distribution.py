@@ -80,19 +80,12 @@ class GapDistribution:
         """
 
         def with_contact(edges: np.ndarray) -> np.ndarray:
-            below = np.where(edges > 0, self.fraction_below(edges), 0.0)
-            return np.diff(below) / np.diff(edges)
+            return np.diff(np.where(edges > 0, self.fraction_below(edges), 0.0)) / np.diff(edges)
 
-        return dataset_of(
-            ("almqvist",),
-            {
-                "mean_pressure": self.pressure,
-                "mean_gap": self.mean_gap,
-                "relative_contact_area": self.relative_contact_area,
-                "gap_pdf": with_contact,
-            },
-            {"gap_pdf": (gap_edges, (0.0, float(np.max(self.centres + _REACH * self.widths))))},
-        )
+        quantities = {"mean_pressure": self.pressure, "mean_gap": self.mean_gap, "gap_pdf": with_contact}
+        quantities["relative_contact_area"] = self.relative_contact_area
+        farthest = float(np.max(self.centres + _REACH * self.widths))
+        return dataset_of(("almqvist",), quantities, {"gap_pdf": (gap_edges, (0.0, farthest))})
 
 
 def gap_distribution(
@@ -169,15 +162,9 @@ def attracted_at_light_load(
     rough = stress > _FIRST * stress[-1]
     shares = np.concatenate([np.geomspace(_FIRST, 0.5, _PARTS + 1), 1 - np.geomspace(0.5, 1e-3, _PARTS)[1:]])
     ends = np.exp(np.interp(np.log(shares * stress[-1]), np.log(stress[rough]), np.log(q[rough])))
-    areas, centres, widths = _parts(
-        spectrum,
-        solid,
-        np.append(ends, q[-1]),
-        lambda variance: np.sqrt(2 / (np.pi * variance)),
-        lambda area: 1 / area,
-        regularised,
-        beta,
-    )
+    ends = np.append(ends, q[-1])
+    contact, local = (lambda variance: np.sqrt(2 / (np.pi * variance))), (lambda area: 1 / area)
+    areas, centres, widths = _parts(spectrum, solid, ends, contact, local, regularised, beta)
     return float((ndtr((reach - centres) / widths) - ndtr((-reach - centres) / widths)) @ areas)
 
 
@@ -239,11 +226,13 @@ def _parts(
     energy = spectrum.full_contact_energy(solid.stiffness, q)
     first = np.searchsorted(q, ends)
     area = contact(variance[first])
-    gaps = [
-        _separation(variance[i:], energy[i:], float(pressure), beta)
-        for i, pressure in zip(first[:-1], local(area[:-1]), strict=True)
-    ]
-    volume = area * np.append(gaps, 0.0)
+    gaps = np.zeros(area.size)  # ū of the roughness beyond
+    for part, (i, pressure) in enumerate(zip(first[:-1], local(area[:-1]), strict=True)):
+        root = np.sqrt(2 * np.maximum(variance[i:] - variance[i], 0.0))
+        stress, parts = shared_points(root, np.diff(energy[i:]))
+        rough = stress > 0
+        gaps[part] = separation(np.array([float(pressure)]), stress[rough], parts[rough], beta)[0]
+    volume = area * gaps
     height = 2 * np.pi * np.maximum(spectrum.moment(1) - spectrum.moment(1, upper=ends), 0.0)
     shares = area[:-1] - area[1:]
     lost = shares > 0  # none where the spectrum is empty, or where pressure holds all in contact
@@ -253,11 +242,3 @@ def _parts(
     if regularised:
         widths = widths * np.abs(centres) / np.hypot(widths, centres)
     return shares, centres, np.maximum(widths, _LEAST)
-
-
-def _separation(variance: np.ndarray, energy: np.ndarray, pressure: float, beta: float) -> float:
-    """ū of the roughness beyond the first of some wavevectors, under a pressure (m)."""
-    root = np.sqrt(2 * np.maximum(variance - variance[0], 0.0))
-    stress, parts = shared_points(root, np.diff(energy))
-    rough = stress > 0
-    return float(separation(np.array([pressure]), stress[rough], parts[rough], beta)[0])

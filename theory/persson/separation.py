@@ -147,8 +147,7 @@ def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_itera
     Returns
     -------
     float
-        dU/dp (m): zero without sticking; otherwise it makes ū diverge as p falls. A NotConverged warning comes with one
-        of the three states that did not converge.
+        dU/dp (m): zero without sticking; otherwise it makes ū diverge as p falls. NotConverged warns as elsewhere.
 
     Examples
     --------
@@ -176,8 +175,7 @@ def pull_off_pressure(
 ) -> float:
     """Find the pressure at which the adhered branch ends.
 
-    Steps double until one fails, then halve. Smooth surfaces, whose pull-off is many times the stress of their
-    roughness, take some thirty states.
+    Steps double until one fails, then halve; smooth surfaces take some thirty states.
 
     Parameters
     ----------
@@ -189,7 +187,7 @@ def pull_off_pressure(
     Returns
     -------
     float
-        Pressure <= 0 (Pa); zero where nothing sticks. A NotConverged warning comes with states that did not converge.
+        Pressure <= 0 (Pa); zero where nothing sticks. NotConverged warns of states that did not converge.
 
     Examples
     --------
