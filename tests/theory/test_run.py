@@ -157,6 +157,7 @@ def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
     assert far["gap_flow/relative_contact_area"] < 1e-12
     assert not close["persson/converged"]
     assert "no pressure" in close["persson/message"]
+    assert close["persson/mean_gap"] == asked[2]
     assert close["gap_flow/relative_contact_area"] > 0.9
     assert close["pressure_pdf_at"].shape[0] == 3
     assert np.isnan(close["pressure_pdf_at"]).all()
