@@ -36,7 +36,6 @@ class Progress:
 
 
 Trace = Callable[[Progress], None]
-"""A function that a solver calls at each mark."""
 
 
 class Work:
@@ -188,8 +187,7 @@ class PeriodicOperator:
         return self._transform.interpolate(coarser._transform)
 
 
-MakeOperator = Callable[..., PeriodicOperator]
-"""Make the operator of a solid on a grid in ``numpy.float64`` or ``numpy.float32``; ``memory`` holds its field."""
+MakeOperator = Callable[..., PeriodicOperator]  # of a grid, numpy.float64 or numpy.float32, and memory for its field
 
 
 def periodic(
@@ -236,8 +234,7 @@ class Load:
         return 0.5 * self.unit * inner_product(pressing[here], self.field[here])
 
 
-Window = tuple[slice, ...]
-"""The rows and columns of a padded grid with a surface."""
+Window = tuple[slice, ...]  # the rows and columns of a padded grid with a surface
 
 
 @dataclass(frozen=True)

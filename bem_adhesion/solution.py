@@ -74,14 +74,13 @@ class Solution:
     outcome : Outcome
         End of the solve.
     complementarity_residual : float or None
-        Attraction outside a wall: the largest tension between touching points and the wall, over E*; points with a gap
-        carry no wall pressure. With a hardness: the largest tension, or pressure above the hardness, over E*.
+        Attraction outside a wall: the largest tension between touching points and the wall, over E*. With a hardness:
+        the largest tension, or pressure above the hardness, over E*.
     plane : float or None
         Free boundaries: position of the undeformed surface, in the coordinate of the heights (m).
     plastic_indentation : numpy.ndarray, shape (y, x), or None
-        Permanent indentation at the hardness, >= 0 (m): of this step, or of all steps of a
-        :class:`~bem_adhesion.contacts.rough_contact.PlasticContact`; the surfaces are at heights − indentation + gap.
-        None without yielding.
+        Permanent indentation at the hardness so far, >= 0 (m): the surfaces are at heights − indentation + gap. None
+        without yielding.
     law : TractionLaw
         The law of the interface, which defines contact.
 

@@ -21,8 +21,7 @@ from contact_study.numerics.memory import in_turn
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import Elasticity, elasticity_of
 
-# Tension that counts as none, in units of the law's peak: the gap at which it has fallen to this is out of reach.
-NO_TENSION = 1e-3
+NO_TENSION = 1e-3  # over the law's peak: the gap at which the tension has fallen to this is out of reach
 # Stiffness between core and tail, over the geometric mean of strongest softening and typical stiffness of the solid.
 PRECONDITIONER_SHIFT = 0.22
 GAP_CORRECTIONS = 20  # of the spring's end under gap control
@@ -68,8 +67,7 @@ class AdhesiveContact:
         self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
         check_arguments(grid, control, tolerance, max_iterations, self.elasticity)
-        self.height = height
-        self.law = law
+        self.height, self.law = height, law
         self.control, self.tolerance, self.max_iterations = control, tolerance, max_iterations
         self._reach = reach(law)
         self._length = law.length
@@ -209,7 +207,6 @@ class AdhesiveContact:
         pressing = finest.press(gap, load)
         if not gap.any():  # in full contact the tension at which a first point is pulled off
             return float(pressing.min()) + self._law.peak_tensile_stress
-        # The wall's share is not in the law; free points are in balance without it.
         return finest.local.imbalance(pressing, gap, load.pressure)
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:

@@ -67,7 +67,6 @@ class MultigridSolver:
         curvature, level = self.finest.curvature, self
         while level.coarser and level.coarser.points_per_process_zone >= POINTS_FOR_CURVATURE:
             curvature, level = np.ascontiguousarray(curvature[::2, ::2]), level.coarser
-        # Cheaply first.
         if level is not self and not level.finest.find_negative_curvature(curvature, CURVATURE_MARGIN):
             return None
         unstable = self.finest.find_negative_curvature(self.finest.curvature)

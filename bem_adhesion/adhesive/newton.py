@@ -62,18 +62,14 @@ class NewtonSolver:
     ):
         memory = memory or Memory()
         make = partial(make_operator, memory=memory)
-        self.grid = grid
-        self.law = law
+        self.grid, self.law = grid, law
         self.inside: Any = window or ...
         self.solid = make(grid, np.float64)
         self.single = make(grid, np.float32)
         self.local = LocalEnergy(law, self.solid.largest, window)
-        self._rounded = 0.0
-        self.curvature = memory.array(grid.shape, np.float32)
-        self._right_side = memory.array(grid.shape, np.float32)
+        self.curvature, self._right_side = (memory.array(grid.shape, np.float32) for _ in range(2))
         self.corrector: Any = None  # a LocalNewton, which is made of solvers as this one
-        self._stalls = False
-        self._saddle_steps = 0  # in a row
+        self._rounded, self._stalls, self._saddle_steps = 0.0, False, 0  # saddle steps in a row
         self._reduction, short_waves = (WALL_REDUCTION, WALL_SHORT_WAVES) if law.has_wall else (REDUCTION, SHORT_WAVES)
         inverse = preconditioner_for(self.single, make, shift, short_waves)
         self._linearised = LinearisedContact(self.single, shift, inverse, memory)
@@ -156,10 +152,9 @@ class NewtonSolver:
         known: np.ndarray | None = None,
         carries: bool = False,
     ) -> NewtonResult:
-        """Descend from a gap, which is overwritten, to the next equilibrium, max|gradient| at most ``tolerance``.
+        """Descend from a gap, which is overwritten, to max|gradient| <= ``tolerance``, or balance if it ``carries``.
 
-        A ``known`` gap, this or another, was evaluated last under this load's field. A solution that ``carries`` its
-        load does so however light it is, see :mod:`contact_study.numerics.balance`.
+        A ``known`` gap, this or another, was evaluated last under this load's field; it is overwritten as well.
         """
         state = self._evaluate_from(known, gap, load)
         trial = np.empty_like(gap) if known is None or known is gap else known
@@ -353,5 +348,4 @@ class NewtonSolver:
         return gap
 
 
-MakeSolver = Callable[..., NewtonSolver]
-"""Make the solver of a law and a solid on a grid, with its window and its memory."""
+MakeSolver = Callable[..., NewtonSolver]  # of a grid, a window and memory

@@ -275,7 +275,8 @@ class PlasticContact:
     def __init__(self, height: np.ndarray, make_wall: Callable[..., HardWallContact | FreeBoundaryContact]):
         self.height = height
         self._make_wall = make_wall
-        self._unit = float(height.std()) or None
+        self._unit = float(height.std()) or None  # the rms height of a flattened surface would be none
+        self._inside = tuple(map(slice, height.shape))  # without the padding of free boundaries
         wall = make_wall(height)
         self._control = wall.control
         self._untouched = wall.separated()
@@ -287,7 +288,7 @@ class PlasticContact:
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """Find the contact at a load; the state is pressure and indentation (m), an approach from first touch then."""
         state, target = step_arguments(self._control, target, state, (2, *self._untouched.shape))
-        before = self._indentation(state)
+        before = state[1][self._inside]
         if before.min() < 0:
             raise ValueError("the state to start from has an indentation < 0")
         wall = self._wall(before)
@@ -296,19 +297,14 @@ class PlasticContact:
         found = wall.step(state[0], target)
         indentation = before if found.plastic_indentation is None else before + found.plastic_indentation
         kept = np.zeros(self._untouched.shape)
-        kept[tuple(map(slice, self.height.shape))] = indentation
+        kept[self._inside] = indentation
         return replace(found, state=np.stack([found.state, kept]), plastic_indentation=indentation)
 
     def stiffness(self, solution: Solution) -> float:
         """Return −dp/dū of a state on unloading (Pa/m), during which no point yields."""
         require_solution(solution)
-        wall = self._wall(self._indentation(solution.state))
+        wall = self._wall(solution.state[1][self._inside])
         return wall.stiffness(replace(solution, state=solution.state[0]))
 
     def _wall(self, indentation: np.ndarray) -> HardWallContact | FreeBoundaryContact:
-        # The rms height of a surface that is flattened everywhere would be no unit of errors.
         return self._make_wall(self.height - indentation, unit=self._unit)
-
-    def _indentation(self, state: np.ndarray) -> np.ndarray:
-        """Return the indentation in a state, without the padding of free boundaries."""
-        return state[1][tuple(map(slice, self.height.shape))]

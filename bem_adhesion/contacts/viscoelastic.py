@@ -73,8 +73,7 @@ class ViscoelasticContact:
         self._options = options
         self._weight = self._grid.multiplicity * HalfSpace(1.0).stiffness_on(self._grid)
         self._wall = law.has_wall and not law.attracts
-        self._moduli = np.array(solid.branch_moduli)
-        self._times = np.array(solid.relaxation_times)
+        self._moduli, self._times = np.array(solid.branch_moduli), np.array(solid.relaxation_times)
         self._control = str(options.get("control", "pressure"))
         apart = self._elastic_contact(self.height, solid.contact_modulus).separated()
         highest, mean = self.height.max(), self.height.mean()
@@ -97,9 +96,8 @@ class ViscoelasticContact:
         Parameters
         ----------
         state : numpy.ndarray, shape (2 + branches, y, x), or Solution
-            The solution of the step before, its ``state``, or :meth:`separated`: the start of the solver (the gap,
-            infinite for separated surfaces; the pressure of a hard wall), the displacement u, and h_i of each branch
-            (m).
+            The solution of the step before, its ``state``, or :meth:`separated`: the start of the solver (a gap,
+            infinite for separated surfaces, or a hard wall's pressure), the displacement u, and h_i of each branch (m).
         target : float
             Mean pressure (Pa) or mean gap (m) at the end of the step.
         duration : float
@@ -124,8 +122,7 @@ class ViscoelasticContact:
         shares = duration / self._times
         decay, gain = np.exp(-shares), -np.expm1(-shares) / shares
         modulus = self.solid.contact_modulus + float(self._moduli @ gain)
-        memory = np.tensordot(self._moduli * decay, carried, 1) - float(self._moduli @ gain) * before
-        memory /= modulus
+        memory = (np.tensordot(self._moduli * decay, carried, 1) - float(self._moduli @ gain) * before) / modulus
         heights = self.height + memory
         contact = self._elastic_contact(heights, modulus)
         if not self._wall:
@@ -146,14 +143,13 @@ class ViscoelasticContact:
         self, displacement: np.ndarray, change: np.ndarray, carried: np.ndarray, shares: np.ndarray
     ) -> tuple[float, float]:
         """Return the energy of all springs at the end of a step, and the energy dissipated in it, per area (J/m²)."""
-        # Within the step h = A exp(−t/τ) + B, B = τ u', and a branch dissipates E h²/τ per time.
 
         def product(one: np.ndarray, other: np.ndarray) -> float:
             return float(np.sum(self._weight * (one.real * other.real + one.imag * other.imag)))
 
         moved, shown = fourier.transform(change), fourier.transform(displacement)
         stored = 0.5 * self.solid.contact_modulus * product(shown, shown)
-        dissipated = 0.0
+        dissipated = 0.0  # within the step h = A exp(−t/τ) + B, B = τ u', and a branch dissipates E h²/τ per time
         for modulus, share, first in zip(self._moduli, shares, carried, strict=True):
             even = moved / share
             fading = fourier.transform(first) - even

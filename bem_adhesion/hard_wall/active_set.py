@@ -21,8 +21,7 @@ from contact_study.numerics.grid import Grid
 COARSEST, COARSE_TOLERANCE = 32, 1e-2
 # Relative difference of equal energies, and fractions of a step that are tried.
 ENERGY_ROUNDING, FRACTIONS = 1e-13, (1.0, 0.5, 0.25)
-# Conjugate gradients on one contact set: reduction of the residual, and limit, about twice what that takes.
-REDUCTION, INNER_ITERATIONS = 0.03, 15
+REDUCTION, INNER_ITERATIONS = 0.03, 15  # of conjugate gradients on one contact set
 
 
 class ContactLevel:
@@ -33,11 +32,9 @@ class ContactLevel:
     """
 
     def __init__(self, heights: np.ndarray, grid: Grid, make_operator: MakeOperator, bound: float = np.inf):
-        self.heights = heights
-        self.grid = grid
+        self.heights, self.grid = heights, grid
         self._make_operator = make_operator
-        self._double = make_operator(grid, np.float64)
-        self.single = make_operator(grid, np.float32)
+        self._double, self.single = make_operator(grid, np.float64), make_operator(grid, np.float32)
         self.contact, self.pressure = np.ones(grid.shape, bool), np.empty(grid.shape)
         self._extension = Extension(self.contact)
         self._residual, self._direction = np.empty((2, *grid.shape), np.float32)

@@ -1,8 +1,7 @@
 """Smooth extension of a field from a contact set to the whole surface: the core of the hard-wall preconditioner.
 
-C_AA⁻¹ = min_E Eᵀ K E: any stable extension E gives a preconditioner for one pair of transforms. Here E r = e_0 of
-e_l = m_l + (1 − c_l) U e_{l+1}: m_l and c_l are averages of the field and of A's indicator over cells of 2^l points, U
-interpolates to the next finer cells.
+C_AA⁻¹ = min_E Eᵀ K E for any stable extension E. Here E r = e_0 of e_l = m_l + (1 − c_l) U e_{l+1}: m_l and c_l are
+averages of the field and of A's indicator over cells of 2^l points, U interpolates to the next finer cells.
 """
 
 from itertools import pairwise

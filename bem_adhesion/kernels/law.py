@@ -21,8 +21,7 @@ BLOCK = 32768  # points at a time: arrays between two loops over so many stay in
 # Stiffness of a held point over the largest of the solid: infinite to the accuracy of a linear solve in a descent, and
 # far from the rounding of single precision; and, larger, where a contact stiffness is computed.
 HELD, PINNED = 1e3, 1e6
-# Smaller exponents are raised to it: where an exponential rounds to zero it takes fourteen times as long.
-LEAST_EXPONENT = -700.0
+LEAST_EXPONENT = -700.0  # smaller ones are raised to it: an exponential that rounds to zero takes 14 times as long
 NO_SUMMAND = 1e-17  # negligible beside one in double precision
 # s^(m+6) at which tangents bound the root of s^(m+6) − s^m = y from above.
 _TANGENTS = (1.0, 1.1**11, 1.25**11, 1.6**11)

@@ -17,11 +17,9 @@ from contact_study.numerics.kernel import inner_product, kernel
 from contact_study.numerics.memory import Memory
 from contact_study.numerics.multigrid import HALVINGS, HalvedInverse, Inverse, can_be_halved
 
-# Rounding of float32: an energy of a direction s below this fraction of the terms that it is the sum of is negative;
-# above this fraction of |s|² the terms need not be computed.
+# Rounding of float32: below this fraction of its terms the energy of a direction is negative.
 CURVATURE_ROUNDING = 1e-7
-# Reduction and iterations of a contact stiffness.
-STIFFNESS_REDUCTION, STIFFNESS_ITERATIONS = 1e-4, 400
+STIFFNESS_REDUCTION, STIFFNESS_ITERATIONS = 1e-4, 400  # of a contact stiffness
 
 
 def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:

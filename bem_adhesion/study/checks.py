@@ -25,10 +25,8 @@ from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 
-# Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused.
-_COARSEST = 1e5
-# Grid spacings along a part of the surface below which it is no sample of the surface.
-_SMALLEST_PART = 30
+_COARSEST = 1e5  # grid spacing, over the longer of process zone and law's length, beyond which a study is refused
+_SMALLEST_PART = 30  # grid spacings along a part of the surface below which it is no sample of the surface
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
@@ -89,7 +87,7 @@ def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
             range_too = f'interaction.length = "auto" ({length(reach)}) on '
             cost = f"; {_cost(case, scale, reach)}"
         return f"{range_too}surface.shape = [{y}, {x}] ({needs}{cost}) resolves it"
-    # A part has another rms height, so "auto" would shorten the range: the range is given as a number.
+    # As a number: a part has another rms height, which would shorten "auto".
     this_range = f'interaction.length = "{length(reach)}"'
     options = []
     # In whole spacings, of which a crop may take one more.

@@ -29,8 +29,7 @@ FIRST_STEP = 0.25
 PASSED_OVER = 0.01  # relative excess of the tension between two states over that at both
 _NOISE = 1e-6  # unaccounted work of a step that counts as none, over the work of adhesion
 _RIM_TENSION = 0.01  # over the law's peak, below which no warning is given: grids err by as much in the pull-off
-# Points of a grid from which on a solver's iterations are told; on smaller ones that would cost some per cent.
-_TRACED = 128**2
+_TRACED = 128**2  # points of a grid from which on iterations are reported; on smaller ones that costs some per cent
 
 
 def solver_options(case: Case, points: int) -> dict[str, Any]:

@@ -21,26 +21,13 @@ def law(ratio: float = 1.0) -> LennardJones104:
 
 def study_table(points: int, seed: int = 1, size: float = SIZE, **sections: dict) -> dict:
     """A study of the paper's surface on ``points``² points; ``sections`` adds keys, or drops them if None."""
+    rough = {"kind": "self_affine", "size": size, "shape": [points, points], "rms_height": 10e-10, "seed": seed}
+    waves = {"hurst_exponent": 0.8, "low_mode": 1, "roll_off_mode": 3, "cutoff_mode": 12, "normalisation": "realised"}
+    interaction = {"work_of_adhesion": 0.69, "length": R0, "contact_distance": CONTACT_DISTANCE}
     table: dict = {
-        "surface": {
-            "kind": "self_affine",
-            "size": size,
-            "shape": [points, points],
-            "hurst_exponent": 0.8,
-            "rms_height": 10e-10,
-            "low_mode": 1,
-            "roll_off_mode": 3,
-            "cutoff_mode": 12,
-            "seed": seed,
-            "normalisation": "realised",
-        },
+        "surface": {**rough, **waves},
         "material": {"youngs_modulus": 77.2e9, "poissons_ratio": 0.42},
-        "interaction": {
-            "law": "lennard_jones_10_4",
-            "work_of_adhesion": 0.69,
-            "length": R0,
-            "contact_distance": CONTACT_DISTANCE,
-        },
+        "interaction": {"law": "lennard_jones_10_4", **interaction},
         "loading": {"path": [1e9]},
     }
     for name, keys in sections.items():

@@ -72,16 +72,13 @@ def test_a_flat_square_punch():
     """Its force over E* times approach and side is π times its capacitance over 4πε₀, 0.36679."""
     found = []
     for points in (32, 64):
-        contact = punch(points)
+        contact, lowered = punch(points), punch(points, control="approach")
         pressed = contact.step(contact.separated(), 0.01)
-        assert pressed.converged
         approach = 0.3 - pressed.plane
         found.append(0.01 / approach)
         assert contact.stiffness(pressed) == pytest.approx(found[-1], rel=1e-6)
-        lowered = punch(points, control="approach")
-        same = lowered.step(lowered.separated(), approach)
+        same, lifted = stepped(lowered, [approach, -0.1])
         assert same.pressure.mean() == pytest.approx(0.01, rel=1e-9)
-        lifted = lowered.step(same, -0.1)
         np.testing.assert_allclose(lifted.gap, 0.1)
     # First order in the spacing: pressures go to infinity at the rim.
     assert 2 * found[1] - found[0] == pytest.approx(0.36679 * np.pi, rel=3e-4)
@@ -92,11 +89,10 @@ def test_a_flat_square_punch():
 def test_a_punch_that_is_nearly_flat(rms, hardness):
     contact, flat = punch(32, rms, hardness=hardness), punch(32, hardness=hardness)
     for load in (1e-8, 0.01):
-        found = contact.step(contact.separated(), load)
+        found, expected = (each.step(each.separated(), load) for each in (contact, flat))
         assert found.converged
         assert found.pressure.mean() == pytest.approx(load, rel=1e-12)
         if load > 1e4 * rms:
-            expected = flat.step(flat.separated(), load)
             np.testing.assert_allclose(found.pressure, expected.pressure, rtol=2e4 * rms / load + 1e-6)
 
 

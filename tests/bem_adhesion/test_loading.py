@@ -222,19 +222,6 @@ def test_linear_solver_against_a_dense_matrix():
     assert solver.solve(right_side, np.full_like(curvature, -1.0), 1.0, 0.1, 50).negative_curvature
 
 
-@pytest.mark.parametrize("the_law", [law(), Exponential(0.69, 1.74e-10)])
-@pytest.mark.parametrize("fraction", [3.0, -0.9, -0.999, -1.001])
-def test_flat_surfaces_stay_uniform_and_part_at_the_peak_of_the_law(the_law, fraction):
-    # Stiff enough (half-space against softening) that the flat state is stable up to the peak.
-    contact = AdhesiveContact(np.zeros((8, 8)), Grid((8, 8), (4e-9, 4e-9)), E_STAR, the_law)
-    solution = contact.step(np.full((8, 8), the_law.equilibrium_distance), fraction * the_law.peak_tensile_stress)
-    assert solution.outcome is (Outcome.CONVERGED if fraction > -1 else Outcome.DETACHED)
-    if fraction > -1:
-        np.testing.assert_allclose(solution.gap, solution.gap[0, 0], rtol=1e-12)
-        assert solution.gap[0, 0] <= the_law.peak_distance + (1e-3 if the_law.has_wall else 0) * the_law.length
-        assert solution.elastic_energy == pytest.approx(0, abs=1e-9 * the_law.work_of_adhesion)
-
-
 def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
     the_law = law().scaled(R0, E_STAR)
     zone = process_zone(1.0, the_law)
@@ -254,24 +241,18 @@ def test_not_a_number_is_never_taken_for_a_solution():
 
 def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
     grid, the_law, field, start = scaled_problem(128, 4.0)
-    load = Load(field)
-    solver = NewtonSolver(periodic(UNIT), the_law, 0.02, grid)
+    load, solver = Load(field), NewtonSolver(periodic(UNIT), the_law, 0.02, grid)
     result = solver.solve(start, load, 1e-8, 500)
     assert result.outcome is Outcome.CONVERGED
-    anew = NewtonSolver(periodic(UNIT), the_law, 0.02, grid).evaluate(result.gap, load)
     # What rounding in float32 may leave in it is a hundredth of the tolerance.
-    assert result.residual == pytest.approx(anew.largest, abs=1e-10)
-
-    moved = result.gap * (1 + 0.1 * np.random.default_rng(0).random(grid.shape))
-    solver.evaluate(result.gap, load)
-    before = solver.solid.field.copy()
+    assert result.residual == pytest.approx(solver.evaluate(result.gap, load).largest, abs=1e-10)
+    moved, before = result.gap * (1 + 0.1 * np.random.default_rng(0).random(grid.shape)), solver.solid.field.copy()
     solver._evaluate_change(result.gap, moved, load)
     by_change, said = solver.solid.field.copy(), solver._rounded
     solver.solid.field -= solver.single.field
     scale = solver.solid.largest * np.abs(moved - result.gap).max()
     np.testing.assert_allclose(solver.solid.field, before, rtol=0, atol=1e-15 * scale)  # roundings of float64
-    error = np.abs(by_change - solver.press(moved, load)).max()
-    assert 1e-9 * scale < error < said
+    assert 1e-9 * scale < np.abs(by_change - solver.press(moved, load)).max() < said
 
 
 @pytest.mark.parametrize(("the_law", "most"), [(law(), 10.5), (HardWall(), 10)])

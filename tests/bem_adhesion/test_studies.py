@@ -82,8 +82,7 @@ def run(table, **options):
 
 
 def shortened(table):
-    keys = {key: value for key, value in table["loading"].items() if key != "unload"}
-    return {**table, "loading": {**keys, "path": keys["path"][:-1]}}
+    return {**table, "loading": {**table["loading"], "path": table["loading"]["path"][:-1]}}
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -336,8 +335,6 @@ def test_the_longest_range_of_rubber_is_proposed_with_the_shape_it_needs():
     (other,) = review(2304, interaction=law, **soft)
     assert re.search(r'interaction\.length = ".*?" of the same work of adhesion \(Tabor .*\) resolves it$', other)
     assert "surface.shape" not in other
-    # What half the points resolve is 1.4 times as long: no longer JKR-like.
-    assert f"surface.shape = {shape}" in review(json.loads(shape)[0] // 2, interaction=law, **soft)[0]
 
 
 def coated(thickness, base=None):
