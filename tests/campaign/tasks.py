@@ -46,6 +46,7 @@ def wait_for(path, report):
     deadline = time.monotonic() + 60
     while not path.exists() and time.monotonic() < deadline:
         time.sleep(0.02)
+    assert path.exists()
     report("seen")
     report("ended")
     path.with_name("ended").touch()
