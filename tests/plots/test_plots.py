@@ -164,6 +164,7 @@ def test_dissipated_energy_of_a_parallelogram():
     axes = plots.hysteresis_loop(dataset)
     assert "0.009 J/m² dissipated" in axes.get_legend_handles_labels()[1]
     np.testing.assert_allclose(axes.lines[0].get_xdata(), 11 - np.arange(6))  # nm, pressures from below
+    np.testing.assert_allclose(axes.collections[0].get_paths()[0].get_extents().extents, [5, -1, 11, 4])  # shaded
     there = 1e-9 * (10 - forth)
     back_again = np.append(there, there[-2::-1] + 1e-15)
     equal = path(1e6 * np.append(forth, forth[-2::-1]), np.full(11, 0.1), back_again, [0] * 6 + [1] * 5)
@@ -193,7 +194,9 @@ def test_the_loop_shows_what_its_own_steps_passed_and_marks_jump_in_and_pull_off
     dataset = dataset.assign({name: (("step", "passed"), values) for name, values in passed.items()}).assign(results)
     dataset = dataset.assign_coords(applied_gap=dataset.mean_separation)
     # At 1, 2, 3, 4, 5 nm loading carries 4, 2, 0, −2, −1 MPa, unloading 4, 1, −3, −2, −1.
-    assert dissipated_energy(dataset) == pytest.approx((0.5 + 2.0 + 1.5) * 1e-3, rel=1e-9)
+    for branch in ([0, 0, 0], [0, 0, 1]):  # the way back begins at the least separation, or with unloading
+        known = dataset.assign_coords(branch=("step", branch))
+        assert dissipated_energy(known) == pytest.approx((0.5 + 2.0 + 1.5) * 1e-3, rel=1e-9)
     axes = plots.hysteresis_loop(dataset)
     marked = {line.get_label(): (float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in axes.lines[2:4]}
     assert marked == {
