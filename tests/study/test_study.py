@@ -157,6 +157,7 @@ WRONG = [
     (changed("surface", rms_height=True), "surface.rms_height"),
     (changed("solver", threads=10**9), "must be at most 1024"),
     ({**TABLE, "sweep": {"interaction.well_depth_ratio": []}}, "well_depth_ratio"),
+    (changed("theory", flows=["gap_flow", "gap_flow"]), "names one twice"),
     (changed("surface", cutoff_mode=32), "surface.cutoff_mode"),
     (changed("surface", roll_off_mode=13), "must not decrease"),
     (changed("surface", kind=["flat"]), "surface.kind = "),
