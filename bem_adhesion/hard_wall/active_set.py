@@ -19,8 +19,7 @@ from contact_study.numerics.grid import Grid
 
 # Points along the shorter side down to which grids are halved, and tolerance on all grids but the finest.
 COARSEST, COARSE_TOLERANCE = 32, 1e-2
-# Relative difference of equal energies, and fractions of a step that are tried.
-ENERGY_ROUNDING, FRACTIONS = 1e-13, (1.0, 0.5, 0.25)
+ENERGY_ROUNDING, FRACTIONS = 1e-13, (1.0, 0.5, 0.25)  # of equal energies; of a step that are tried
 REDUCTION, INNER_ITERATIONS = 0.03, 15  # of conjugate gradients on one contact set
 
 

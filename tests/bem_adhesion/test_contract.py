@@ -284,13 +284,6 @@ def test_an_iteration_limit_is_reported_with_its_residual(kind):
     assert found.residual < 1e-12
 
 
-@every_elastic_kind
-def test_stiffness_takes_a_solution_alone(kind):
-    contact = contact_of(kind)
-    with pytest.raises(TypeError, match="stiffness takes the Solution that step returned, not ndarray"):
-        contact.stiffness(contact.separated())
-
-
 @every_kind
 @pytest.mark.parametrize(
     ("state", "target", "message"),
@@ -305,6 +298,9 @@ def test_bad_states_and_targets_are_named(kind, state, target, message):
     contact = contact_of(kind)
     with pytest.raises(ValueError, match=message):
         contact.step(contact.separated() if isinstance(state, str) else state, target)
+    if kind != "viscoelastic":
+        with pytest.raises(TypeError, match="stiffness takes the Solution that step returned, not ndarray"):
+            contact.stiffness(contact.separated())
 
 
 @pytest.mark.parametrize("kind", ["adhesive", "wall", "plastic", "free"])

@@ -255,7 +255,6 @@ def test_where_the_whole_surface_yields_the_state_says_so(solid, boundary):
     contact = plastic(height, grid, hardness, solid, boundary=boundary, control="approach")
     last = approach_of(nearly, height, solid)
     held, beyond, lifted, apart = stepped(contact, [last, 3 * last, 3 * last - 0.05 * height.std(), last])
-    assert held.converged
     assert beyond.outcome is Outcome.YIELDED
     np.testing.assert_array_equal(beyond.pressure, hardness)
     np.testing.assert_array_equal(beyond.gap, 0)
