@@ -1,11 +1,8 @@
 """The harmonic block, condensed exactly onto its bottom layer of atoms.
 
-The block is a simple cubic lattice of linear springs, periodic in x and y, clamped to a rigid plane at the top. Linear
-and laterally translation-invariant, it acts on its bottom layer through one 3×3 matrix S(q) per lateral wavevector,
-which binary doubling of one layer of cells yields at full resolution for any thickness.
-
-Components are ordered x, y, z. With u_z replaced by i u_z every S(q) is real and symmetric: six reals per wavevector,
-in the order xx, yy, zz, xy, xz, yz, where the true S_xz is i times the stored one and S_zx minus i times.
+A simple cubic lattice of linear springs, periodic in x and y and clamped at the top, acts on its bottom layer through
+one 3×3 matrix S(q) per lateral wavevector, by binary doubling of one layer of cells. With u_z replaced by i u_z every
+S(q) is real and symmetric: xx, yy, zz, xy, xz, yz.
 """
 
 from dataclasses import dataclass
@@ -39,17 +36,16 @@ def isotropic_element(lattice_constant: float, youngs_modulus: float, poissons_r
     """
     first, shear_modulus = lame_constants(youngs_modulus, poissons_ratio)
     element = np.zeros((24, 24))
-    share_of_cell = {1: 0.25, 2: 0.5}  # by squared length of the bond
     for p in range(8):
         for q in range(p):
             bond = CORNERS[p] - CORNERS[q]
             squared_length = int(bond @ bond)
-            if squared_length not in share_of_cell:
+            if squared_length > 2:
                 continue
-            elongation = np.zeros(24)
-            elongation[3 * p : 3 * p + 3] = bond / np.sqrt(squared_length)
-            elongation[3 * q : 3 * q + 3] = -bond / np.sqrt(squared_length)
-            stiffness = share_of_cell[squared_length] * shear_modulus * lattice_constant
+            elongation = np.zeros((8, 3))
+            elongation[p] = bond / np.sqrt(squared_length)
+            elongation[q] = -elongation[p]
+            stiffness = 0.25 * squared_length * shear_modulus * lattice_constant
             element += stiffness * np.outer(elongation, elongation)
     dilatation = ((2 * CORNERS - 1) / (4 * lattice_constant)).ravel()
     return element + (first - shear_modulus) * lattice_constant**3 * np.outer(dilatation, dilatation)
@@ -190,10 +186,7 @@ def surface_stiffness(
 
 
 def effective_contact_modulus(stiffness: SurfaceStiffness, heights: np.ndarray) -> float:
-    """Return E*(q) of a block averaged over a surface's waves, weighted by the energy of full contact, q|h_q|² (Pa).
-
-    ``heights`` are those under the block's atoms (m). A flat surface has the modulus of the longest wave.
-    """
+    """Return E*(q) averaged over the heights' waves by energy of full contact, q|h_q|² (Pa); flat: the longest wave."""
     grid = stiffness.grid
     weight = grid.multiplicity * grid.wavenumber * np.abs(fourier.transform(heights)) ** 2
     if not weight.any():

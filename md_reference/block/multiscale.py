@@ -1,9 +1,8 @@
 """The block with explicit nodes, coarser by factors of two away from its surface.
 
-Level l is a slab of cells of edge 2^l a with the element of level 0: near the surface every atom, further up what long
-waves need (C. Yang, U. Tartaglino, B. N. J. Persson, Eur. Phys. J. E 19, 47 (2006)). The top plane of a level hangs on
-the lowest plane of the next: its displacements are bilinear in those (the prolongation P), and its forces go back by
-Pᵀ, so that the whole is one symmetric stiffness. The highest plane is rigid.
+Level l is a slab of cells of edge 2^l a (C. Yang, U. Tartaglino, B. N. J. Persson, Eur. Phys. J. E 19, 47 (2006)). The
+top plane of a level hangs on the lowest plane of the next: its displacements are bilinear in those (the prolongation
+P), and its forces go back by Pᵀ, so that the whole is one symmetric stiffness. The highest plane is rigid.
 """
 
 import math
@@ -15,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from md_reference.block.nonlinear_slab import move_rotating_slab, rotating_slab_force
-from md_reference.block.slab import fill_ghosts, move_slab, prolong, restrict, slab_constants, slab_force
+from md_reference.block.slab import fill_ghosts, move_slab, prolong, restrict, slab_force
 from md_reference.block.verlet import Action, move_plane
 from md_reference.parallel_rows import share_rows
 
@@ -29,26 +28,20 @@ _TASK_NODES, _TASK_ROWS = 8192, 8
 def level_layers(atoms: tuple[int, int], layers: int) -> tuple[int, ...]:
     """Return the layers of cells of each level, from the surface up, each with half the nodes where it can."""
     counts = [min(layers, _FINEST_LAYERS)]
-    left = layers - counts[0]
-    while left:
-        level = len(counts)
-        size = 2**level
-        possible = all(n % size == 0 and n // size >= _FEWEST_NODES for n in atoms)
-        if not possible or left < size:
-            # The rest goes to the levels that exist, in whole layers, the coarsest first.
-            for lower in reversed(range(level)):
-                counts[lower] += left // 2**lower
-                left %= 2**lower
-        else:
-            counts.append(min(_LAYERS, left // size))
-            left -= counts[-1] * size
+    left, size = layers - counts[0], 2
+    while left >= size and all(n % size == 0 and n // size >= _FEWEST_NODES for n in atoms):
+        counts.append(min(_LAYERS, left // size))
+        left -= counts[-1] * size
+        size *= 2
+    for level in reversed(range(len(counts))):  # the rest, in whole layers
+        counts[level] += left // 2**level
+        left %= 2**level
     return tuple(counts)
 
 
 def node_count(atoms: tuple[int, int], layers: Sequence[int]) -> int:
     """Return the nodes of a block with these layers on each level, including ghosts and hanging planes."""
-    rows, columns = atoms
-    return sum((count + 1) * ((rows >> n) + 2) * ((columns >> n) + 2) for n, count in enumerate(layers))
+    return sum((count + 1) * ((atoms[0] >> n) + 2) * ((atoms[1] >> n) + 2) for n, count in enumerate(layers))
 
 
 class Level(NamedTuple):
@@ -59,12 +52,11 @@ class Level(NamedTuple):
 
 
 class MultiscaleBlock:
-    """Forces and masses of the explicit block.
+    """Forces and masses of the explicit block; one vector contains all nodes, level after level, with heights along z.
 
-    One vector contains all nodes, level after level, see :meth:`levels_of`; displacements along z are heights.
-    ``atoms`` are those of the surface along y and x, ``first_lame`` and ``shear_modulus`` λ and μ (Pa), ``layers``
-    those of :func:`level_layers`. ``plane_mass`` lists the mass of a node of each plane, level by level (kg): its share
-    of the cells above and below, a whole atom at the surface. Hanging planes and the rigid one have zero.
+    ``atoms`` are those of the surface along y and x, ``layers`` those of :func:`level_layers`. ``plane_mass`` lists the
+    mass of a node of each plane, level by level (kg): its share of the cells above and below, a whole atom at the
+    surface. Hanging planes and the rigid one have zero.
     """
 
     _force_kernel, _move_kernel = staticmethod(slab_force), staticmethod(move_slab)
@@ -88,6 +80,7 @@ class MultiscaleBlock:
             for number, count in enumerate(layers)
         ]
         self._ends = [0, *accumulate(math.prod(level.shape) for level in self.levels)]
+        self.size = self._ends[-1]  # of a vector of all nodes
         self._threads = threads
         self.plane_mass = [np.full(level.shape[1], level.size**3 * atom_mass) for level in self.levels]
         for number, mass in enumerate(self.plane_mass):
@@ -100,7 +93,6 @@ class MultiscaleBlock:
         size, (_, _, rows, columns) = self.levels[-1]
         # Half of the highest layer of cells moves with the rigid plane.
         self.top_mass = 0.5 * size**3 * atom_mass * ((rows - 2) * (columns - 2))
-        self.size = self._ends[-1]  # of a vector of all nodes
         self.freedoms = int(np.count_nonzero(self.mass))  # three of every node that moves independently
 
     @property
@@ -111,7 +103,7 @@ class MultiscaleBlock:
 
     @property
     def mass(self) -> np.ndarray:
-        """Mass of every node for each component (kg), shape (size,); zero for ghosts too, see :attr:`plane_mass`."""
+        """Mass of every node for each component (kg), shape (size,); zero for ghosts too."""
         vector = np.zeros(self.size)
         for nodes, mass in zip(self.levels_of(vector), self.plane_mass, strict=True):
             nodes[:, :, 1:-1, 1:-1] = mass[:, None, None]
@@ -167,10 +159,7 @@ class MultiscaleBlock:
         return self.nodes_of(vector)
 
     def force(self, displacement: np.ndarray, force: np.ndarray) -> None:
-        """Write the block's forces on its nodes (N); those on the rigid plane are its load.
-
-        Ghosts and hanging planes of ``displacement`` are filled; those of ``force`` are meaningless.
-        """
+        """Write the forces on the nodes (N), on the rigid plane its load; fill displaced ghosts and hanging planes."""
         u, f = self.levels_of(displacement), self.levels_of(force)
         for number in reversed(range(len(u))):
             self._fill_level(u, number)
@@ -180,17 +169,12 @@ class MultiscaleBlock:
             f[number][:, -1] = 0.0
 
     def move(
-        self,
-        displacement: np.ndarray,
-        moved: np.ndarray,
-        velocity: np.ndarray,
-        surface_force: np.ndarray,
-        action: Action,
+        self, displacement: np.ndarray, moved: np.ndarray, velocity: np.ndarray, surface: np.ndarray, action: Action
     ) -> float:
         """Apply the forces to all nodes but the rigid plane, in one pass over them; return the pull on that plane (N).
 
         ``displacement`` and ``moved`` are before and after (m); ghosts and hanging planes of the first are filled, the
-        rigid plane is copied. ``surface_force`` acts from outside on the surface's atoms (N, shape (3, ny, nx)).
+        rigid plane is copied. ``surface`` are forces from outside on its atoms (N, shape (3, ny, nx)).
         """
         u, new, v = map(self.levels_of, (displacement, moved, velocity))
         faces, mass = self._faces, self._inverse_mass
@@ -202,12 +186,11 @@ class MultiscaleBlock:
             self._on_rows(number, partial(self._move_kernel, *nodes, action, *constants, first_node[number]))
         for number in range(len(u) - 1):
             self._on_rows(number + 1, partial(restrict, faces[number], faces[number + 1]))
-        faces[0][:, 0, 1:-1, 1:-1] += surface_force
+        faces[0][:, 0, 1:-1, 1:-1] += surface
         for number in range(len(u)):
-            if mass[number][0]:
-                nodes = u[number], new[number], v[number], faces[number], 0
-                given = mass[number][0], action, first_node[number], 0
-                self._on_rows(number, lambda first, end: move_plane(*nodes, first + 1, *given, first, end))  # noqa: B023
+            nodes = u[number], new[number], v[number], faces[number], 0
+            given = mass[number][0], action, first_node[number], 0
+            self._on_rows(number, lambda first, end: move_plane(*nodes, first + 1, *given, first, end))  # noqa: B023
         new[-1][:, -1] = u[-1][:, -1]
         return float(faces[-1][2, -1, 1:-1, 1:-1].sum())
 
@@ -237,7 +220,11 @@ class MultiscaleBlock:
 
     def _constants(self, number: int) -> tuple[float, float, float]:
         """Return the kernels' constants of a level."""
-        return slab_constants(2**number * self.lattice_constant, *self.lame)
+        first, shear = self.lame
+        size = 2**number * self.lattice_constant
+        # A diagonal spring acts along (1, 1)/√2; a cell's dilatation is a sum of differences over 4a, in force and
+        # energy.
+        return shear * size, shear * size / 2, (first - shear) * size / 16
 
     def _on_rows(self, number: int, kernel: Callable[[int, int], object]) -> None:
         """Call ``kernel(first, end)`` for all blocks of rows of a level."""
@@ -260,10 +247,8 @@ class NonlinearSpringBlock(MultiscaleBlock):
         """Return the elastic energy (J) of a displacement; ``force`` is not read."""
         scratch = np.empty(self.size)
         pairs = zip(self.levels_of(displacement), self.levels_of(scratch), strict=True)
-        return sum(
-            rotating_slab_force(u, f, *self._constants(number), 0, u.shape[2] - 2)
-            for number, (u, f) in enumerate(pairs)
-        )
+        given = ((u, f, *self._constants(number), 0, u.shape[2] - 2) for number, (u, f) in enumerate(pairs))
+        return sum(rotating_slab_force(*each) for each in given)
 
     def _compression_density(self, strain: np.ndarray) -> np.ndarray:
         first, shear = self.lame

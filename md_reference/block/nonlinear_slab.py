@@ -1,12 +1,9 @@
 """Forces and energy of a slab of cells whose springs turn with their atoms, both faces free, periodic along x and y.
 
-The cell of :func:`md_reference.block.condensed.isotropic_element` at any displacement: springs along edges and face
-diagonals pull along the line between their atoms, ½k(|r| − r₀)², and the volume costs ½(λ − μ)a³(det F − 1)², F the
-mean of the deformation gradient over the cell's corners. A rigid rotation costs nothing; to first order both are the
-linear cell. Arrays are those of :mod:`md_reference.block.slab`.
-
-Some rows of a plane, with the one before and the one after, form a line, and a neighbour is a shift along it. Values
-computed at ghosts are meaningless.
+Springs along edges and face diagonals of a cell pull along the line between their atoms, ½k(|r| − r₀)², and its volume
+costs ½(λ − μ)a³(det F − 1)², F the mean of the deformation gradient over its corners; to first order both are
+:func:`md_reference.block.condensed.isotropic_element`. Arrays are those of :mod:`md_reference.block.slab`; rows of a
+plane, with the one before and the one after, form a line, and a neighbour is a shift along it.
 """
 
 import numpy as np

@@ -1,22 +1,14 @@
 """Slabs of isotropic cells with explicit nodes, both faces free, periodic along x and y, and their coupling.
 
-The springs and the dilatation energy of :func:`md_reference.block.condensed.isotropic_element`, gathered node by node,
-with the dilatation of two planes of cells at a time. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of
-ghosts contains the periodic images. The kernels treat the rows ``first`` to before ``end`` of ny; values that they
-write at ghosts are meaningless.
+The springs and the dilatation energy of :func:`md_reference.block.condensed.isotropic_element`, gathered node by node.
+Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts contains the periodic images. The kernels
+treat the rows ``first`` to before ``end`` of ny; values that they write at ghosts are meaningless.
 """
 
 import numpy as np
 
 from md_reference.block.verlet import move_plane
 from md_reference.parallel_rows import row_kernel
-
-
-def slab_constants(lattice_constant: float, first_lame: float, shear_modulus: float) -> tuple[float, float, float]:
-    """Return the stiffnesses of edge springs, of diagonal springs along an axis, and of the dilatation (N/m)."""
-    edge = shear_modulus * lattice_constant
-    # A diagonal spring acts along (1, 1)/√2; a cell's dilatation is a sum of differences over 4a, in force and energy.
-    return edge, edge / 2, (first_lame - shear_modulus) * lattice_constant / 16
 
 
 def fill_ghosts(u: np.ndarray) -> None:
@@ -109,7 +101,11 @@ def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, for
 
 @row_kernel
 def slab_force(nodes, force, edge, diagonal, volume, first, end):
-    """Write the forces (N) on nodes whose ghosts are filled; the constants are those of :func:`slab_constants`."""
+    """Write the forces (N) on nodes whose ghosts are filled.
+
+    ``edge``, ``diagonal`` and ``volume`` are the stiffnesses of edge springs, of diagonal springs along an axis, and of
+    the dilatation (N/m).
+    """
     dilatation, below = _start(nodes, first, end)
     for k in range(nodes.shape[1]):
         _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, force, k, first + 1, end + 1)

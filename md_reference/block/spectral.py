@@ -1,8 +1,7 @@
 """Kernels that apply the condensed block's stiffness S(q), or its inverse, wave by wave.
 
-:mod:`md_reference.block.condensed` defines the real form of S: xx, yy, zz, xy, xz, yz of each wave on the half
-spectrum, with the normal component multiplied by the imaginary unit. Single- and double-precision spectra of three
-components hold real and imaginary parts in turn, shape (3, ny, 2 (nx // 2 + 1)), except where they are complex.
+S is in the real form of :mod:`md_reference.block.condensed`. Single- and double-precision spectra of three components
+hold real and imaginary parts in turn, shape (3, ny, 2 (nx // 2 + 1)), except where they are complex.
 """
 
 import numpy as np
@@ -83,10 +82,7 @@ def accelerate(velocity, displacement, force, coefficients, over_mass, dt):
     """Add dt (force − S displacement)/mass to the velocity; complex spectra."""
     for j in range(force.shape[1]):
         for i in range(force.shape[2]):
-            x = displacement[0, j, i]
-            y = displacement[1, j, i]
-            z = 1j * displacement[2, j, i]
-            s_x, s_y, s_z = _product(coefficients[:, j, i], x, y, z)
+            s_x, s_y, s_z, _, _, _ = _product(coefficients[:, j, i], displacement[:, j, i])
             velocity[0, j, i] += dt * over_mass[0, j, i] * (force[0, j, i] - s_x)
             velocity[1, j, i] += dt * over_mass[1, j, i] * (force[1, j, i] - s_y)
             velocity[2, j, i] += dt * over_mass[2, j, i] * (force[2, j, i] + 1j * s_z)
@@ -99,10 +95,7 @@ def quadratic(displacement, coefficients, multiplicity):
     for j in range(displacement.shape[1]):
         row = 0.0
         for i in range(displacement.shape[2]):
-            x = displacement[0, j, i]
-            y = displacement[1, j, i]
-            z = 1j * displacement[2, j, i]
-            s_x, s_y, s_z = _product(coefficients[:, j, i], x, y, z)
+            s_x, s_y, s_z, x, y, z = _product(coefficients[:, j, i], displacement[:, j, i])
             row += multiplicity[0, i] * (
                 (x.real * s_x.real + x.imag * s_x.imag)
                 + (y.real * s_y.real + y.imag * s_y.imag)
@@ -113,10 +106,14 @@ def quadratic(displacement, coefficients, multiplicity):
 
 
 @kernel
-def _product(stiffness, x, y, z):
-    """Multiply (x, y, i u_z) by the real symmetric form of S."""
+def _product(stiffness, u):
+    """Return the real symmetric form of S times (u_x, u_y, i u_z), and these three."""
+    x, y, z = u[0], u[1], 1j * u[2]
     return (
         stiffness[0] * x + stiffness[3] * y + stiffness[4] * z,
         stiffness[3] * x + stiffness[1] * y + stiffness[5] * z,
         stiffness[4] * x + stiffness[5] * y + stiffness[2] * z,
+        x,
+        y,
+        z,
     )

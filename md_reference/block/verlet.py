@@ -1,7 +1,6 @@
 """Velocity Verlet's update of nodes in one pass over memory: kick by the forces, friction and noise, drift.
 
-Arrays of nodes have shape (3, planes, ny + 2, nx + 2); ghosts are left alone. The kernels are here because the slab's
-kernels apply them plane by plane, without storing forces.
+Arrays of nodes have shape (3, planes, ny + 2, nx + 2); ghosts are left alone.
 """
 
 from typing import NamedTuple
@@ -48,11 +47,10 @@ def move_plane(
 ):
     """Apply forces to the rows ``first`` to before ``end`` of plane ``k``.
 
-    Noise is a function of the node's number and the step's key alone, so that results do not depend on threads; three
-    points suffice for weak schemes of second order (P. E. Kloeden, E. Platen, Numerical Solution of Stochastic
-    Differential Equations, Springer 1992). Displacements before and after (m) may be the same array; the velocity (m/s)
-    changes in place. Row ``first`` has its forces (N) in row ``force_row`` of the plane ``force_plane``.
-    ``inverse_mass`` is that of a node (1/kg), ``number`` that of the slab's first node in the block.
+    Noise is a function of the node's number and the step's key alone; three points suffice for weak schemes of second
+    order (P. E. Kloeden, E. Platen, Numerical Solution of Stochastic Differential Equations, Springer 1992). Positions
+    before and after may be the same array. Row ``first`` has its forces (N) in row ``force_row`` of the plane
+    ``force_plane``; ``number`` is that of the slab's first node in the block.
     """
     gain = action.kick * inverse_mass
     spread = np.sqrt(action.noise * inverse_mass)

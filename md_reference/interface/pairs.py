@@ -2,8 +2,7 @@
 
 The pair potential is V(r) = 4ε[(r0/r)¹² − (r0/r)⁶], taken smoothly to zero between 0.9 r_c and the cutoff r_c by the
 quintic in r² with two continuous derivatives: a bare cut has steps in the force above the solver's tolerance, a
-shifted potential loses 3.6 % of the work of adhesion at r_c = 4 r0. Neighbours follow by index arithmetic from an
-atom's current position; the substrate being rigid, the Hessian is block diagonal, one 3×3 matrix per atom.
+shifted potential loses 3.6 % of the work of adhesion at r_c = 4 r0.
 """
 
 import math
@@ -37,8 +36,7 @@ class LennardJonesInterface:
     """Block atoms over a substrate layer, with the pair potential above.
 
     Displacements have shape (3, ny, nx): moves along x and y from the atoms' rest positions, and the height over the
-    substrate's mean plane (m). ``shape`` and ``spacing`` (m) are those of the block's atoms along y and x;
-    ``well_depth`` is ε (J), ``length`` r0 (m), ``cutoff`` r_c in units of r0. ``threads`` share the rows.
+    substrate's mean plane (m). ``shape`` and ``spacing`` (m) are those of the block's atoms, ``cutoff`` in ``length``.
     """
 
     def __init__(
@@ -147,8 +145,7 @@ def flat_adhesion(
 ) -> dict[str, float]:
     """Measure a flat layer of block atoms on flat substrate sites ``spacing`` apart, averaged over the registry.
 
-    Work of adhesion (J/m²), peak tension (Pa) and distances (m), by their names in a dataset. No
-    traction–separation law enters: the values can confirm or refute the continuum's.
+    Work of adhesion (J/m²), peak tension (Pa) and distances (m), by their names in a dataset, without any law.
     """
     steps = (spacing[0] / _SHIFTS[0], spacing[1] / _SHIFTS[1])
     interface = LennardJonesInterface(Substrate(np.zeros((2, 2)), spacing), _SHIFTS, steps, well_depth, length, cutoff)
@@ -200,9 +197,8 @@ def _pair(dx, dy, dz, start, slope):
 def _lennard_jones(displacement, due, geometry, force, with_hessian, hessian, energy, row_inside, first_row, end_row):
     """Sum over pairs of due atoms in rows ``first_row`` to before ``end_row``, with lengths in units of r0.
 
-    Writes each atom's energy, force and Hessian, and the number of a row's atoms inside the substrate. ``scale`` is
-    1/r0, ``strength`` 4ε. With V(s) as in :func:`_pair` the force is −2V'Δ and the Hessian 2V' 1 + 4V'' ΔΔᵀ, so that
-    no square root is taken.
+    Writes each atom's energy, force −2V'Δ and Hessian 2V' 1 + 4V'' ΔΔᵀ with V(s) as in :func:`_pair`, and the number
+    of a row's atoms inside the substrate.
     """
     scale, atom_spacing, spacing, padded, margin, highest, strength, cutoff = geometry
     columns = displacement.shape[2]
@@ -233,10 +229,8 @@ def _lennard_jones(displacement, due, geometry, force, with_hessian, hessian, en
             if not (abs(x) + abs(y) < far and z == z):
                 inside += 1
                 continue
-            jx = math.floor(x * per_x + 0.5)
-            jy = math.floor(y * per_y + 0.5)
-            hx = jx % site_columns
-            hy = jy % site_rows
+            jx, jy = math.floor(x * per_x + 0.5), math.floor(y * per_y + 0.5)
+            hx, hy = jx % site_columns, jy % site_rows
             clearance = z - highest[hy, hx]
             if clearance >= cutoff:
                 energy[iy, ix] = 0.0
@@ -275,10 +269,8 @@ def _lennard_jones(displacement, due, geometry, force, with_hessian, hessian, en
                     delta_y[count + n] = dy
                     delta_z[count + n] = z - heights[base + n]
                 count += np.uint64(max(int(row_end[r]) - first, 0))
-            for k in range(np.uint64(8)):
-                delta_x[count + k] = 2.0 * cutoff  # fills the last block of eight with pairs beyond the cutoff
-                delta_y[count + k] = 0.0
-                delta_z[count + k] = 0.0
+            for k in range(np.uint64(8)):  # fills the last block of eight with pairs beyond the cutoff
+                delta_x[count + k], delta_y[count + k], delta_z[count + k] = 2.0 * cutoff, 0.0, 0.0
             count = (count + np.uint64(7)) // np.uint64(8) * np.uint64(8)
             f_x = f_y = f_z = e = 0.0
             if not with_hessian:

@@ -12,11 +12,7 @@ from contact_study.numerics.kernel import kernel
 
 @dataclass(frozen=True)
 class Substrate:
-    """A periodic rectangle of substrate sites, site (i, j) at y = i·spacing[0], x = j·spacing[1].
-
-    ``samples`` are heights toward the block on ``refinement`` points per site along each axis (m), of which those
-    between sites only sharpen :meth:`height_and_cosine`.
-    """
+    """A periodic rectangle of substrate sites, with heights (m) on ``refinement`` ``samples`` per site and axis."""
 
     samples: np.ndarray
     spacing: tuple[float, float]
@@ -38,10 +34,7 @@ class Substrate:
         return np.pad(coefficients, [(1, 2), (1, 2)], mode="wrap")
 
     def height_and_cosine(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return height (m) and cosine of the tilt, 1/√(1 + |∇h|²), of the surface at positions of any shape (m).
-
-        A periodic cubic B-spline through the samples, of fourth order in their distance.
-        """
+        """Return height (m) and cosine of the tilt, 1/√(1 + |∇h|²), of the surface at positions of any shape (m)."""
         height, cosine = np.empty(y.shape), np.empty(y.shape)
         per_y, per_x = (self.refinement / distance for distance in self.spacing)
         _evaluate_spline(self._spline, y.ravel(), x.ravel(), per_y, per_x, height.ravel(), cosine.ravel())
@@ -69,20 +62,15 @@ def _basis_slope(t):
 
 @kernel
 def _evaluate_spline(coefficients, y, x, samples_per_y, samples_per_x, height, cosine):
-    rows = coefficients.shape[0] - 3
-    columns = coefficients.shape[1] - 3
+    rows, columns = coefficients.shape[0] - 3, coefficients.shape[1] - 3
     for n in range(y.size):
-        v = y[n] * samples_per_y
-        u = x[n] * samples_per_x
+        v, u = y[n] * samples_per_y, x[n] * samples_per_x
         # Wrapping the fraction of a period first keeps the index in range for any finite position.
         v -= np.floor(v / rows) * rows
         u -= np.floor(u / columns) * columns
-        i = min(int(v), rows - 1)
-        j = min(int(u), columns - 1)
-        w_y = _basis(v - i)
-        w_x = _basis(u - j)
-        d_y = _basis_slope(v - i)
-        d_x = _basis_slope(u - j)
+        i, j = min(int(v), rows - 1), min(int(u), columns - 1)
+        w_y, w_x = _basis(v - i), _basis(u - j)
+        d_y, d_x = _basis_slope(v - i), _basis_slope(u - j)
         total = slope_y = slope_x = 0.0
         for k in range(4):
             row = coefficients[i + k]
@@ -100,10 +88,9 @@ def sample_substrate(
     sites: tuple[int, int],
     tolerance: float,
 ) -> Substrate:
-    """Put sites on a surface of periods ``size`` along y and x (m), and enough samples between them.
+    """Put sites on a surface of periods ``size`` (m), whose heights on a grid of any shape ``sample`` gives (m).
 
-    ``sample`` gives heights on a grid of any shape (m). The interpolated height errs by ``tolerance`` (m) midway
-    between samples, of which at most four per site are taken.
+    The interpolated height errs by ``tolerance`` (m) midway between samples, of which there are at most four per site.
     """
     spacing = (size[0] / sites[0], size[1] / sites[1])
     samples = sample(sites)

@@ -1,9 +1,8 @@
 """A Newton step atom by atom: the curvature of the interface, and limits while atoms jump into contact.
 
-An attracted atom has negative curvature, and the curvature of an atom that reaches the repulsive wall grows a
-hundredfold within a tenth of r0: a quadratic model is valid for neither. Each atom's step is therefore taken in the
-variable in which its force is nearly linear: distance where it is attracted, force where it is repelled. No single atom
-then shortens the step of all. Symmetric 3×3 matrices are six numbers: xx, yy, zz, xy, xz, yz.
+An attracted atom has negative curvature, and that of an atom at the repulsive wall grows a hundredfold within a tenth
+of r0. Each atom's step is therefore taken in the variable in which its force is nearly linear: distance where it is
+attracted, force where it is repelled. Symmetric 3×3 matrices are six numbers: xx, yy, zz, xy, xz, yz.
 """
 
 import numpy as np
@@ -46,9 +45,7 @@ def stiffest(xx, yy, zz, xy, xz, yz):
         return mean, 0.0, 0.0, 1.0
     top = 2.0 * np.cos(angle)
     # Rows of the shifted matrix are normal to the eigenvector: the largest of their products points along it.
-    a -= top
-    b -= top
-    c -= top
+    a, b, c = a - top, b - top, c - top
     x1, y1, z1 = d * f - e * b, e * d - a * f, a * b - d * d
     x2, y2, z2 = d * c - e * f, e * e - a * c, a * f - d * e
     x3, y3, z3 = b * c - f * f, f * e - d * c, d * f - b * e
@@ -67,32 +64,25 @@ def stiffest(xx, yy, zz, xy, xz, yz):
 
 @kernel
 def raise_curvature(hessian, gradient, gap, cosine, damping, length, diagonal):
-    """Write each atom's Hessian, raised by a multiple of 1 where the normal force softens.
+    """Write each atom's Hessian into ``diagonal`` (N/m), raised by a multiple of 1 where the normal force softens.
 
-    A raised atom has at least the curvature|g|/distance of a spring that ends at contact where the unbalanced force g
-    pulls it toward contact, and at twice its gap where g pulls it away. The increase vanishes with g, which preserves
-    Newton's convergence.
-
-    ``gradient`` is the unbalanced force, negated (N), ``gap`` the height over the surface (m), ``damping`` the share of
-    the remaining negative curvature to remove, ``length`` r0 (m). ``diagonal`` is written (N/m).
+    A raised atom has at least the curvature |g|/distance of a spring that ends at contact where the unbalanced force g
+    pulls it toward contact, and at twice its gap where g pulls it away: it vanishes with g, for Newton's convergence.
+    ``gradient`` is −g (N), ``damping`` the share of the remaining negative curvature to remove, ``length`` r0 (m).
     """
     for j in range(gap.shape[0]):
         for i in range(gap.shape[1]):
             xx, yy, zz = hessian[0, j, i], hessian[1, j, i], hessian[2, j, i]
             xy, xz, yz = hessian[3, j, i], hessian[4, j, i], hessian[5, j, i]
             lift = 0.0
-            if zz < 0.0 or damping > 0.0:
-                if zz < 0.0:
-                    g = gradient[2, j, i]
-                    height = gap[j, i]
-                    above = max(height - length / cosine[j, i], _SMALLEST_DISTANCE * length)
-                    lift = abs(g) / (above if g > 0.0 else height)
-                if damping > 0.0:
-                    mean, p, _, _, _, _, _, _, angle = deviator(
-                        float(xx), float(yy), float(zz), float(xy), float(xz), float(yz)
-                    )
-                    lowest = mean + 2.0 * p * np.cos(angle + 2.0 * np.pi / 3.0)
-                    lift -= damping * min(lowest + lift, 0.0)
+            if zz < 0.0:
+                g, height = gradient[2, j, i], gap[j, i]
+                above = max(height - length / cosine[j, i], _SMALLEST_DISTANCE * length)
+                lift = abs(g) / (above if g > 0.0 else height)
+            if damping > 0.0:
+                six = float(xx), float(yy), float(zz), float(xy), float(xz), float(yz)
+                mean, p, _, _, _, _, _, _, angle = deviator(*six)
+                lift -= damping * min(mean + 2.0 * p * np.cos(angle + 2.0 * np.pi / 3.0) + lift, 0.0)
             for n in range(3):
                 diagonal[n, j, i] = hessian[n, j, i] + lift
                 diagonal[3 + n, j, i] = hessian[3 + n, j, i]
@@ -100,29 +90,25 @@ def raise_curvature(hessian, gradient, gap, cosine, damping, length, diagonal):
 
 @kernel
 def split(diagonal, shift, half_grid, negligible, known, normal, removed, core):
-    """Write the stiffest direction of each atom and its core, see :mod:`md_reference.statics.linear`.
+    """Write n of each atom, 1 − β in ``removed`` and (1 − β²)/(k + ½ S_max) in ``core``, zero where k is negligible.
 
-    D is ``diagonal``, c ``shift``, ½ S_max ``half_grid`` (N/m); below ``negligible`` an atom is all tail. Where D is
-    the ``known`` one of the last call (NaN at first), results remain valid. Written are the unit eigenvector n of the
-    largest eigenvalue k in ``normal``, 1 − β in ``removed`` and (1 − β²)/(k + ½ S_max) in ``core`` (m/N), with β² =
-    c/(k + c); zero where k is negligible.
+    See :mod:`md_reference.statics.linear`: D is ``diagonal``, c ``shift``, ½ S_max ``half_grid`` (N/m). Where D is the
+    ``known`` one of the last call (NaN at first), results remain valid.
     """
     for j in range(removed.shape[0]):
         for i in range(removed.shape[1]):
             same = True
             for n in range(6):
                 same &= diagonal[n, j, i] == known[n, j, i]
+                known[n, j, i] = diagonal[n, j, i]
             if same:
                 continue
-            for n in range(6):
-                known[n, j, i] = diagonal[n, j, i]
             xx, yy, zz = float(diagonal[0, j, i]), float(diagonal[1, j, i]), float(diagonal[2, j, i])
             xy, xz, yz = float(diagonal[3, j, i]), float(diagonal[4, j, i]), float(diagonal[5, j, i])
             # Largest sums of rows, the eigenvalues' bound.
             bound = max(xx + abs(xy) + abs(xz), yy + abs(xy) + abs(yz), zz + abs(xz) + abs(yz))
             if bound <= negligible:
-                removed[j, i] = 0.0
-                core[j, i] = 0.0
+                removed[j, i] = core[j, i] = 0.0
                 continue
             stiffness, x, y, z = stiffest(xx, yy, zz, xy, xz, yz)
             normal[0, j, i], normal[1, j, i], normal[2, j, i] = x, y, z
@@ -137,11 +123,8 @@ def limit_step(gap, cosine, force, length, prefactor, trial_gap, trial_cosine, h
     """Correct the heights at the end of a Newton step, atom by atom, see the module.
 
     The model force at distance d from the layer of sites is that of smeared layers, ``prefactor`` (s¹¹ − s⁵) with
-    s = r0/d; over a layer tilted by θ its part normal to the mean plane is cos²θ times that. To first order the
-    correction vanishes.
-
-    Before the step ``gap`` is the height over the surface (m), ``cosine`` that of the surface's tilt, ``force`` the
-    interface's (N). After it, ``trial_gap`` and the atoms' ``height`` are corrected (m).
+    s = r0/d; over a layer tilted by θ its part normal to the mean plane is cos²θ times that. Before the step the
+    interface's ``force`` acted (N); after it ``trial_gap`` and ``height`` are corrected (m), to first order by nothing.
     """
     for j in range(gap.shape[0]):
         for i in range(gap.shape[1]):
@@ -168,8 +151,7 @@ def limit_step(gap, cosine, force, length, prefactor, trial_gap, trial_cosine, h
 @kernel
 def repulsive_root(force, guess):
     """Return s >= 1 with s¹¹ − s⁵ = force >= 0, to rounding; a good guess saves time."""
-    # The root is a concave function of the force, so that its tangents (at s = 1, 1.1, 1.25, 1.6 and 2.5) bound it
-    # from above; Newton descends from there, or steps over the root first.
+    # The root is a concave function of the force: its tangents at s = 1, 1.1, 1.25, 1.6 and 2.5 bound it from above.
     most = min(1.0 + force / 6.0, 1.1 + (force - 1.2426067) / 21.210667)
     most = min(most, min(1.25 + (force - 8.5897744) / 90.238452, 1.6 + (force - 165.4361) / 1176.6948))
     most = min(most, 2.5 + (force - 23744.2) / 104709.0)

@@ -5,6 +5,7 @@ In overdamped motion anchor springs of one stiffness tie every atom to its posit
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -57,9 +58,8 @@ class MinimizerState:
 
 
 class BlockEnergy:
-    """Energy, forces and curvature of one block and one interface, owner of all work arrays.
+    """Energy, forces and curvature of one block and one interface, in units of E* where ``fixed_mean`` may be kept.
 
-    ``contact_modulus`` is E*, the scale of forces (Pa); ``fixed_mean`` keeps the mean of the normal component.
     ``force``, shape (3, ny, nx), is that of the interface on each atom at the last evaluated state (N).
     """
 
@@ -97,7 +97,7 @@ class BlockEnergy:
         return self._transform.pairs + 0.5 * self.newton.pairs
 
     def evaluate(self, displacement: np.ndarray) -> MinimizerState:
-        """Evaluate a starting state; ValueError if an atom lies inside the substrate or is not finite."""
+        """Evaluate a starting state; ValueError if an atom lies inside the substrate or nowhere."""
         u = displacement.copy()
         self._interface.forget()
         energy = self._interface.evaluate(u, self.force)
@@ -141,10 +141,7 @@ class BlockEnergy:
             self.newton.diagonal[:3] += np.float32(anchor_stiffness)
 
     def search(self, state: MinimizerState, step: np.ndarray, load: Load, error: float = 0.0) -> float:
-        """Shorten a step until the energy falls, and take it; return the fraction taken, zero if it never falls.
-
-        Forces at the new state may be off by ``error`` (N), see :mod:`md_reference.interface.cached`.
-        """
+        """Take the part of a step by which the energy falls and return it; forces may be off by ``error`` then (N)."""
         length = self.interaction.length
         # Where forces nearly vanish, rounding alone would move a block for ever.
         excess = float(np.max(np.abs(step))) / (_LARGEST_STEP * length)
@@ -214,8 +211,8 @@ class BlockEnergy:
     ) -> Solution:
         """Return the last evaluated state as a solution."""
         elastic = 0.5 * float(np.sum(state.displacement * state.stretch))
-        work = iterations, round(state.evaluations), pairs
-        return self.solution(state.displacement, self.force, outcome, residual, *work, elastic, state.energy)
+        work = {"iterations": iterations, "force_evaluations": round(state.evaluations), "fft_pairs": pairs}
+        return self.solution(state.displacement, self.force, outcome, residual, elastic, state.energy, **work)
 
     def solution(
         self,
@@ -223,26 +220,20 @@ class BlockEnergy:
         force: np.ndarray,
         outcome: Outcome,
         residual: float,
-        iterations: int,
-        evaluations: int,
-        pairs: float,
         elastic_energy: float,
         interaction_energy: float,
+        **work: Any,
     ) -> Solution:
         """Return a state of the layer, with the interface's forces (N) and energies (J), as one of the contact."""
-        apart, interface = outcome is Outcome.DETACHED, self.interaction
-        nominal_area = self.area * force[2].size
+        apart, interface, atoms = outcome is Outcome.DETACHED, self.interaction, force[2].size
         # Atoms that slide to other heights change their mean gap, not the distance on which the load does work.
         separation = float(np.mean(displacement[2])) - self.mean_height - interface.length
         return Solution(
-            displacement,
-            0.0 if apart else residual,
-            outcome,
-            iterations,
-            evaluations,
-            pairs,
-            0.0 if apart else elastic_energy / nominal_area,
-            interaction_energy / nominal_area,
+            displacement=displacement,
+            residual=0.0 if apart else residual,
+            outcome=outcome,
+            elastic_energy=0.0 if apart else elastic_energy / (self.area * atoms),
+            interaction_energy=interaction_energy / (self.area * atoms),
             # A detached block has no definite position: the next step starts from separation again.
             state=separated(interface) if apart else displacement,
             gap=np.full(force[2].shape, np.inf) if apart else interface.gap(displacement),
@@ -250,6 +241,7 @@ class BlockEnergy:
             shear_stress=force[:2] / self.area,
             mean_separation=np.inf if apart else separation,
             length=interface.length,
+            **work,
         )
 
     def _evaluate(self, state: MinimizerState, u: np.ndarray, force: np.ndarray, error: float = 0.0) -> float:
@@ -261,8 +253,7 @@ class BlockEnergy:
 
     def _trial(self, state: MinimizerState, step: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return displacement, gap and cosine of the tilt after a step, limited atom by atom."""
-        length = self.interaction.length
-        trial = state.displacement + step
+        length, trial = self.interaction.length, state.displacement + step
         slide = _LARGEST_SLIDE * length
         trial[:2] = state.displacement[:2] + np.clip(step[:2], -slide, slide)
         gap, cosine = self.interaction.gap_and_cosine(trial)

@@ -5,9 +5,8 @@ atoms touch (the core), small everywhere else (the tail). With k = n·Dn, β² =
 
     z = (1 − β²)/(k + ½ S_max) n nᵀ r + B (S + c)⁻¹ B r
 
-inverts D in the core and S in the tail (long waves on coarser layers, :mod:`contact_study.numerics.multigrid`), in far
-fewer iterations than (S + c)⁻¹ alone. Single precision on a right-hand side scaled to one suffices to the forcing term
-of the truncated Newton method, whose residual is evaluated in double precision.
+inverts D in the core and S in the tail, long waves on coarser layers (:mod:`contact_study.numerics.multigrid`). Single
+precision on a right-hand side scaled to one suffices: the Newton method's residual is evaluated in double precision.
 """
 
 from typing import NamedTuple
@@ -29,9 +28,9 @@ _ROUNDING = 1e-6
 
 
 class LinearSolution(NamedTuple):
-    """Approximate solution (m, shape (3, ny, nx)); ``indefinite`` if a direction of negative curvature ended it."""
+    """Approximate solution; ``indefinite`` if a direction of negative curvature ended it."""
 
-    step: np.ndarray
+    step: np.ndarray  # shape (3, ny, nx) (m)
     iterations: int
     indefinite: bool
 
@@ -84,16 +83,13 @@ class LinearSolver:
         waves = self._coefficients, self._multiplicity
         parts = self._normal, self._removed, self._core
         residual, direction, solution = self._residual, self.direction, self._solution
-        negligible, rounding = _NEGLIGIBLE * self._shift, _ROUNDING * self._shift
-        split(self.diagonal, self._shift, self._half_grid, negligible, self._split_curvature, *parts)
+        given = self._shift, self._half_grid, _NEGLIGIBLE * self._shift, self._split_curvature
+        split(self.diagonal, *given, *parts)
         np.multiply(gradient, -1 / scale, out=residual, casting="same_kind")
-        solution[...] = 0.0
-        direction[...] = 0.0
+        solution[...] = direction[...] = 0.0
         squares, core = _take_tail(residual, *parts, field)
         target = reduction**2 * squares
-        previous = np.inf
-        indefinite = False
-        iterations = 0
+        previous, indefinite, iterations = np.inf, False, 0
         while iterations < max_iterations:
             product = core + self._preconditioner.apply_and_sum()
             if not product > 0.0:
@@ -106,7 +102,7 @@ class LinearSolver:
             transform.forward()
             elastic = multiply(spectrum, *waves, normalisation)
             curvature = local + elastic
-            if curvature <= rounding * length:
+            if curvature <= _ROUNDING * self._shift * length:
                 # What may be rounding: of the sum's terms, S of a nearly uniform field among them.
                 terms = inner_product(np.abs(self.diagonal[:3]) * direction, direction) + elastic
                 if curvature <= _ROUNDING * (terms + 2 * _ROUNDING * self._half_grid * length):
@@ -122,11 +118,8 @@ class LinearSolver:
         return LinearSolution(solution * scale, iterations, indefinite)
 
     def unstable_direction(self, max_iterations: int) -> np.ndarray | None:
-        """Find a direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none.
-
-        Their right side is random, but the same each time, and restricted to atoms of negative D, as every unstable
-        mode is.
-        """
+        """Find a direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none."""
+        # A random right side, the same each time, on atoms of negative D, as every unstable mode is.
         start = np.maximum(-self.diagonal[:3], 0)
         start *= 1 + np.random.default_rng(0).standard_normal(start.shape, dtype=np.float32)
         if self.fixed_mean:
@@ -148,7 +141,7 @@ class LinearSolver:
 
 
 class FourierPreconditioner:
-    """(S + shift)⁻¹ by transforms of three components in float32; S and the springs' stiffness ``shift`` in N/m."""
+    """(S + shift)⁻¹ by transforms of three components in float32, in N/m."""
 
     def __init__(self, transform: RealTransform, coefficients: np.ndarray, shift: float):
         self.field = transform.field
@@ -184,8 +177,7 @@ def preconditioner_of(
 @kernel
 def _take_tail(r, normal, removed, core, field):
     """Write B r into ``field``; return r·r and the core's part of r·z."""
-    squares = 0.0
-    product = 0.0
+    squares = product = 0.0
     for j in range(r.shape[1]):
         row = np.float32(0.0)
         row_product = np.float32(0.0)
@@ -207,8 +199,7 @@ def _take_tail(r, normal, removed, core, field):
 def _turn(r, normal, removed, core, ratio, diagonal, direction, field):
     """Write the direction s = z + ratio·s, also into ``field`` in place of (S + c)⁻¹ B r; return s·D s and s·s."""
     beta = np.float32(ratio)
-    local = 0.0
-    length = 0.0
+    local = length = 0.0
     for j in range(r.shape[1]):
         row = np.float32(0.0)
         row_length = np.float32(0.0)

@@ -2,9 +2,8 @@
 
 Newton's method with inexact linear solves in single precision (:mod:`md_reference.statics.linear`). Attracted atoms
 have negative curvature; what :mod:`md_reference.statics.atomwise` leaves of it is reduced by a factor 1 − damping when
-a linear solve meets a descent of the whole quadratic model, and restored after successful steps. From the first contact
-of a separated block it is removed altogether until the residual is small: approaching surfaces jump into contact
-everywhere at once, and the descent then follows a slow gradient flow.
+a linear solve meets a descent of the whole quadratic model, and restored after successful steps. It is removed
+altogether while surfaces approach: they jump into contact everywhere at once, in a slow gradient flow.
 """
 
 import numpy as np
@@ -32,11 +31,10 @@ _REFRESH = 20  # steps after which S u is computed from u
 
 
 def solve(energy: BlockEnergy, start: np.ndarray, pressure: float, tolerance: float, max_iterations: int) -> Solution:
-    """Find the equilibrium reached from a starting displacement (m, shape (3, ny, nx)).
+    """Find the equilibrium reached from a starting displacement (m) under a mean pressure (Pa).
 
-    ``pressure`` is the mean pressure (Pa), not used where the mean of the normal component is kept. The solve ends at a
-    residual of ``tolerance``, in units of E*, or after ``max_iterations`` Newton steps. ValueError if an atom of the
-    starting state lies inside the substrate or is not finite.
+    The pressure is not used where the mean of the normal component is kept; ``tolerance`` is in units of E*. ValueError
+    if an atom of the start lies inside the substrate or nowhere.
     """
     transforms = energy.pairs
     load = Load(0.0 if energy.fixed_mean else pressure * energy.area)
@@ -84,10 +82,7 @@ def solve(energy: BlockEnergy, start: np.ndarray, pressure: float, tolerance: fl
 def _newton_step(
     energy: BlockEnergy, at: MinimizerState, gradient: np.ndarray, residual: float, light: bool
 ) -> tuple[np.ndarray, bool]:
-    """Return a step by the linear model of the energy, and whether it needed more damping.
-
-    Under a ``light`` load the missing load is reduced as well as the residual.
-    """
+    """Return a step that reduces the residual, and a ``light`` load's rest, and whether it needed more damping."""
     length = energy.interaction.length
     if at.approaching:
         out_of_reach = not energy.fixed_mean and not np.any(energy.force[2] > 0)

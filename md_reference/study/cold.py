@@ -1,8 +1,7 @@
 """Paths at zero temperature: the minimum reached from the state before, or steepest descent against friction.
 
-A step of the descent is implicit Euler's, see :mod:`contact_study.numerics.gradient_flow`: a minimum of the energy with
-springs of the stiffness η/τ that tie every atom to its former position. A direction of negative curvature shows that it
-is too long.
+A step of the descent, see :mod:`contact_study.numerics.gradient_flow`, is a minimum of the energy with springs of the
+stiffness η/τ that tie every atom to its former position.
 """
 
 import warnings
@@ -34,11 +33,7 @@ def quasi_static(case: Case, surface: Surface, restart: Restart, start: int, pre
 def equilibria(
     case: Case, contact: AtomisticContact, restart: Restart, start: int, predictor: Predictor
 ) -> Iterator[InterfaceState]:
-    """Yield the equilibria of a contact along the loading path.
-
-    With a predictor's gap field the atoms start at rest laterally, at that gap. Where there is none a warning names the
-    point, and the atoms start from the state before.
-    """
+    """Yield the equilibria of a contact along the path, each from the state before or at a predictor's gap field."""
     state = contact.separated() if restart is None else restart["state"]
     for number in range(start, len(case.path)):
         value, branch = case.path[number]
@@ -69,10 +64,7 @@ class Moved(NamedTuple):
 
 
 class OverdampedAtoms:
-    """The atoms of a case in overdamped motion, for :mod:`contact_study.results.overdamped_path`.
-
-    ``allowed`` is the local error of a time step (m).
-    """
+    """The atoms of a case in overdamped motion, with a local error ``allowed`` of a time step (m)."""
 
     def __init__(self, case: Case, contact: AtomisticContact, allowed: float):
         self.separated = contact.separated

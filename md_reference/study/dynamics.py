@@ -15,7 +15,7 @@ from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.statics.energy import separated
-from md_reference.study.system import Predictor, Restart, States, build_interface, row_threads
+from md_reference.study.system import Predictor, Restart, States, build_interface, refuse, row_threads
 from md_reference.thermal import equilibration
 from md_reference.thermal.checkpoint import Frame, TrajectoryState
 from md_reference.thermal.equilibration import Descent
@@ -30,39 +30,26 @@ def check(case: Case) -> None:
     given, mass = case.dynamics, case.material.atom_mass
     if mass is None:
         raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
-    if case.loading.control == "gap":
-        if given.approach_speed == 0:
-            raise InputError(
-                'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; '
-                "give dynamics.approach_speed"
-            )
-        thickness = case.block_layers * case.lattice.constant
-        if min(case.loading.path) <= -thickness:
-            raise InputError(
-                f"loading.path: a gap of {min(case.loading.path):g} m presses a block of {thickness:g} m flat; the "
-                "rigid plane above it is driven to the gap that the block would have without compression"
-            )
-    if given.time_step is not None and given.time_step >= (largest := largest_time_step(case)):
-        raise InputError(
-            f"dynamics.time_step = {given.time_step:g} s: velocity Verlet is unstable from {largest:.3g} s on, "
-            "2/ω of the lattice's fastest wave and a stiff contact; use a fifth of that"
-        )
-    step = time_step(case)
-    if given.duration < given.frames * step:
-        raise InputError(
-            f"dynamics.duration = {given.duration:g} s: shorter than dynamics.frames = {given.frames} steps of "
-            f"{step:.3g} s"
-        )
+    driven, lowest = case.loading.control == "gap", min(case.loading.path)
+    thickness = case.block_layers * case.lattice.constant
+    step, largest = time_step(case), largest_time_step(case)
     sound = math.sqrt(longitudinal_modulus(case) * case.lattice.constant**3 / mass)
-    if given.approach_speed > _SLOW * sound:
-        raise InputError(
+    refuse(
+        {
+            'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; give '
+            "dynamics.approach_speed": driven and given.approach_speed == 0,
+            f"loading.path: a gap of {lowest:g} m presses a block of {thickness:g} m flat; the rigid plane above it is "
+            "driven to the gap that the block would have without compression": driven and lowest <= -thickness,
+            f"dynamics.time_step = {step:g} s: velocity Verlet is unstable from {largest:.3g} s on, 2/ω of the "
+            "lattice's fastest wave and a stiff contact; use a fifth of that": step >= largest,
+            f"dynamics.duration = {given.duration:g} s: shorter than dynamics.frames = {given.frames} steps of "
+            f"{step:.3g} s": given.duration < given.frames * step,
             f"dynamics.approach_speed = {given.approach_speed:g} m/s: is an impact; use at most a tenth of the speed "
-            f"of sound, {_SLOW * sound:.3g} m/s"
-        )
-    if case.atomistic.temperature > 0 and given.damping == 0:
-        raise InputError(
-            f"atomistic.temperature = {case.atomistic.temperature:g} K: a thermostat needs dynamics.damping above zero"
-        )
+            f"of sound, {_SLOW * sound:.3g} m/s": given.approach_speed > _SLOW * sound,
+            f"atomistic.temperature = {case.atomistic.temperature:g} K: a thermostat needs dynamics.damping above "
+            "zero": case.atomistic.temperature > 0 and given.damping == 0,
+        }
+    )
 
 
 def longitudinal_modulus(case: Case) -> float:
@@ -99,9 +86,8 @@ def build_block(case: Case) -> MultiscaleBlock:
 def solve_path(case: Case, surface: Surface, restart: Restart, start: int, predictor: Predictor) -> States:
     """Yield the motion along the path: at each point its pressure acts for ``dynamics.duration``.
 
-    Under gap control the rigid plane moves at the approach speed to each point of the path, and rests for the duration
-    where a point repeats the one before. A point's result is its last state, or, with a thermostat or without damping,
-    the mean of the second half of its states, except while the plane moves.
+    Under gap control the rigid plane moves to each point, and rests for the duration where a point repeats the one
+    before. A point's result is its last state, or, with a thermostat or without damping, the mean of the second half.
     """
     run = _Run(case, build_interface(case, surface))
     at = run.begin(start) if restart is None else TrajectoryState.unpack(restart)
@@ -252,29 +238,26 @@ class _Run:
     def _test(self, at: TrajectoryState, pressure: float, carried: np.ndarray) -> tuple[float, str]:
         """Return the residual of a finished point, and advice if the block is not in equilibrium."""
         case, modulus = self._case, self._case.material.contact_modulus
-        descent, counted = self._descent(at, pressure, carried), at.series[-carried.size :]
-        if case.atomistic.temperature > 0:
-            nodes, whole = (float(np.mean([frame[of] for frame in counted])) for of in (3, 4))
-            given = case.atomistic.temperature, self._system.block.freedoms
-            forgotten = case.dynamics.damping * (counted[-1].time - counted[0].time)
-            return equilibration.not_in_equilibrium(descent, modulus, nodes, whole, *given, forgotten)
-        if case.dynamics.damping == 0:
-            return equilibration.load_missing(descent, modulus, swings=True)
-        return equilibration.still_moving(descent, self._system.unbalanced(at.motion) / self._area, modulus)
-
-    def _descent(self, at: TrajectoryState, pressure: float, carried: np.ndarray) -> Descent:
-        """Return the block's motion in the states that count, from the one before them on."""
-        case, block = self._case, self._system.block
+        block, counted = self._system.block, at.series[-carried.size :]
+        # The block's motion in the states that count begins with the one before them.
         time, top, *_ = np.array(at.series[-carried.size - 1 :]).T
         assert case.material.atom_mass is not None
         density = case.material.atom_mass / case.lattice.constant**3
         drag = block.thickness * density * case.dynamics.damping
-        speed_of_whole = self._system.momentum(at.motion) / block.total_mass
-        return Descent(
+        descent = Descent(
             carried=carried,
             load=pressure,
             reached=bool(np.any(carried)),
             speed=float((top[0] - top[-1]) / (time[-1] - time[0])),
             terminal_speed=pressure / drag if drag else math.inf,
-            impact=math.sqrt(density * longitudinal_modulus(case)) * abs(speed_of_whole),
+            impact=math.sqrt(density * longitudinal_modulus(case))
+            * abs(self._system.momentum(at.motion) / block.total_mass),
         )
+        if case.atomistic.temperature > 0:
+            nodes, whole = (float(np.mean([frame[of] for frame in counted])) for of in (3, 4))
+            given = case.atomistic.temperature, block.freedoms
+            forgotten = case.dynamics.damping * (counted[-1].time - counted[0].time)
+            return equilibration.not_in_equilibrium(descent, modulus, nodes, whole, *given, forgotten)
+        if case.dynamics.damping == 0:
+            return equilibration.load_missing(descent, modulus, swings=True)
+        return equilibration.still_moving(descent, self._system.unbalanced(at.motion) / self._area, modulus)

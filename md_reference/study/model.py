@@ -20,7 +20,7 @@ from md_reference.block.multiscale import level_layers, node_count
 from md_reference.interface.pairs import INSIDE, flat_adhesion
 from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.study import cold, dynamics, sampling
-from md_reference.study.system import Predictor, Restart, States, build_stiffness
+from md_reference.study.system import Predictor, Restart, States, build_stiffness, refuse
 
 # Word of ``atomistic.method`` -> function of case, surface, restart, first point and predictor.
 METHODS: Mapping[str, Callable[[Case, Surface, Restart, int, Predictor], States]] = {
@@ -51,50 +51,27 @@ def check(case: Case) -> None:
     """Raise InputError unless the atomistic model can compute a case."""
     given, law, control = case.atomistic, case.interaction.law, case.loading.control
     kind, boundary, ratio = case.elasticity.kind, case.elasticity.boundary, case.material.poissons_ratio
-    other_method = given.method != "dynamics"
-    for refused, words in (
-        (
-            law != "lennard_jones_10_4",
+    other_method, other_kind = given.method != "dynamics", kind not in ("half_space", "layer")
+    approach, heated = control == "approach", given.method in _COLD and given.temperature > 0
+    refuse(
+        {
             f'interaction.law = "{law}": the atomistic model has Lennard-Jones pairs; use "lennard_jones_10_4", the '
-            "law that follows from them",
-        ),
-        (
-            kind not in ("half_space", "layer"),
-            f'elasticity.kind = "{kind}": the block of atoms is a half-space or a layer',
-        ),
-        (boundary != "periodic", f'elasticity.boundary = "{boundary}": the block of atoms is periodic'),
-        (
-            control == "approach",
-            'loading.control = "approach": the block of atoms takes "pressure", or its separation as "gap"',
-        ),
-        (
-            ratio > _MOST_INCOMPRESSIBLE,
+            "law that follows from them": law != "lennard_jones_10_4",
+            f'elasticity.kind = "{kind}": the block of atoms is a half-space or a layer': other_kind,
+            f'elasticity.boundary = "{boundary}": the block of atoms is periodic': boundary != "periodic",
+            'loading.control = "approach": the block of atoms takes "pressure", or its separation as "gap"': approach,
             f"material.poissons_ratio = {ratio:.12g}: springs cannot make a block incompressible; use at most "
-            f"{_MOST_INCOMPRESSIBLE}",
-        ),
-        (
-            given.method in _COLD and given.temperature > 0,
+            f"{_MOST_INCOMPRESSIBLE}": ratio > _MOST_INCOMPRESSIBLE,
             f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" '
-            f'{_COLD.get(given.method)}; "sampling" and "dynamics" take a temperature',
-        ),
-        (
-            given.method == "sampling" and given.temperature == 0,
+            f'{_COLD.get(given.method)}; "sampling" and "dynamics" take a temperature': heated,
             'atomistic.method = "sampling": needs an atomistic.temperature above 0 K; at zero temperature the atoms '
-            'are at rest, use "quasi_static"',
-        ),
-        (
-            given.block == "nonlinear_springs" and other_method,
+            'are at rest, use "quasi_static"': given.method == "sampling" and given.temperature == 0,
             'atomistic.block = "nonlinear_springs": only a linear block can be condensed to its bottom layer; use '
-            'atomistic.method = "dynamics"',
-        ),
-        (
-            case.output.atoms == "block" and other_method,
+            'atomistic.method = "dynamics"': given.block == "nonlinear_springs" and other_method,
             'output.atoms = "block": the nodes of the block are explicit in atomistic.method = "dynamics" only; use '
-            '"surface"',
-        ),
-    ):
-        if refused:
-            raise InputError(words)
+            '"surface"': case.output.atoms == "block" and other_method,
+        }
+    )
     if other_method:
         case.require_gap()
     else:

@@ -73,10 +73,17 @@ class _Sampling:
         displacement = sampler.displacement(found)
         energy = self._contact.interface.evaluate(displacement, sampler.force)
         apart = not sampler.force.any()
-        outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
-        work = found.trajectories, found.evaluations, float(found.evaluations)  # each evaluation takes one pair
-        energies = sampler.elastic_energy(found), energy
-        solution = self._contact.energy.solution(displacement, sampler.force, outcome, np.nan, *work, *energies)
+        solution = self._contact.energy.solution(
+            displacement,
+            sampler.force,
+            Outcome.DETACHED if apart else Outcome.CONVERGED,
+            np.nan,
+            sampler.elastic_energy(found),
+            energy,
+            iterations=found.trajectories,
+            force_evaluations=found.evaluations,
+            fft_pairs=float(found.evaluations),  # each takes one
+        )
         chain.pressures.append(float(np.mean(solution.pressure)))
         over = apart or found.trajectories == self._case.sampling.trajectories
         state = interface_state(self._case, solution)

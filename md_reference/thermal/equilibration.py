@@ -30,8 +30,7 @@ class Descent(NamedTuple):
 def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[float, str]:
     """Test whether a block without noise is at rest; return what is left over E*, and advice if it is not.
 
-    A block that flies, or swings through its balance, is unbalanced in its speed alone. ``unbalanced`` is the largest
-    stress on an atom of the surface, ``modulus`` E* (Pa).
+    ``unbalanced`` is the largest stress on an atom of the surface, ``modulus`` E* (Pa).
     """
     residual = max(unbalanced, abs(float(descent.carried[-1]) - descent.load), descent.impact) / modulus
     if descent.reached and residual <= _AT_REST:
@@ -72,8 +71,7 @@ def load_missing(descent: Descent, modulus: float, swings: bool = False) -> tupl
 def mean_load_missing(carried: np.ndarray, load: float, swings: bool = False) -> tuple[float, str]:
     """Return how much of the load a series of mean pressures lacks on average (Pa), and words if it is not chance.
 
-    In equilibrium the mean force of the interface is the load at any temperature and any time step. ``swings`` marks
-    states of a block without damping, whose errors measure how far it swings and excuse nothing.
+    ``swings`` marks states of a block without damping, whose errors measure how far it swings and excuse nothing.
     """
     found = statistics_of(carried)
     mean, error = float(found.mean), float(found.standard_error)
@@ -89,11 +87,9 @@ def mean_load_missing(carried: np.ndarray, load: float, swings: bool = False) ->
 
 
 def _ringing(found: float, forgotten: float, states: int) -> str:
-    """Return advice if a block moves up and down by ``found`` times thermal motion, as after an impact.
-
-    The square of one momentum is χ²-distributed with one freedom; a mean over time has at least half as many freedoms
-    as damping times time, or one, and at most one per state.
-    """
+    """Return advice if a block moves up and down by ``found`` times thermal motion, as after an impact."""
+    # The square of one momentum is χ²-distributed with one freedom; a mean over time has at least half as many freedoms
+    # as damping times time, or one, and at most one per state.
     freedoms = min(max(0.5 * forgotten, 1.0), states)
     largest = special.chdtri(freedoms, _RARE) / freedoms
     if found <= largest:

@@ -1,19 +1,13 @@
 """Canonical distribution of the bottom layer at a temperature, by Fourier-accelerated hybrid Monte Carlo.
 
-The block is harmonic: its interior integrates out exactly, and the bottom layer's distribution is
-
-    P(u) ∝ exp(−V(u)/k_BT),  V = ½ u·Su + E(u) + p a² Σu_z,
-
-with the same S as at zero temperature, exactly so for any time step (S. Duane, A. D. Kennedy, B. J. Pendleton, D.
-Roweth, Phys. Lett. B 195, 216 (1987)). With each wave's stiffness as its mass all waves oscillate at one frequency
-(G. G. Batrouni et al., Phys. Rev. D 32, 2736 (1985)), and time is counted in √(mass/stiffness), without a unit.
+The interior of a harmonic block integrates out: P(u) ∝ exp(−V(u)/k_BT), V = ½ u·Su + E(u) + p a² Σu_z, exactly so for
+any time step (S. Duane, A. D. Kennedy, B. J. Pendleton, D. Roweth, Phys. Lett. B 195, 216 (1987)). With each wave's
+stiffness as its mass all waves oscillate at one frequency (G. G. Batrouni et al., Phys. Rev. D 32, 2736 (1985)), and
+time is counted in √(mass/stiffness), without a unit.
 
 The scheme has two stages, kicks of b, 1 − 2b and b of a step h and drifts of half a step between them (S. Blanes,
 F. Casas, J. M. Sanz-Serna, SIAM J. Sci. Comput. 36, A1556 (2014), doi:10.1137/130932740). On a harmonic wave it
-conserves ½v² + ½(1 + (b² − 3b/2 + ¼)h² + …)u². With b = (3 − √5)/4 the bracket vanishes: the energy error of a harmonic
-contact falls as the fourth power of the step, that of leapfrog (b = ¼) as the second.
-
-State and velocity stay in Fourier space: a stage takes one pair of transforms and one evaluation of the interface.
+conserves ½v² + ½(1 + (b² − 3b/2 + ¼)h² + …)u², whose bracket vanishes with b = (3 − √5)/4.
 """
 
 import math
@@ -54,11 +48,7 @@ class SamplerState:
 
 
 class ThermalSampler:
-    """Sampler for one block and one interface, owner of all work arrays.
-
-    ``contact_modulus`` is E* (Pa), ``temperature`` positive (K), ``pressure`` the mean pressure (Pa); ``fixed_mean``
-    keeps the mean of the normal component (gap control) and ignores the pressure.
-    """
+    """Sampler for one block and one interface; ``fixed_mean`` keeps the normal mean and ignores the pressure (Pa)."""
 
     def __init__(
         self,
@@ -92,8 +82,7 @@ class ThermalSampler:
         """Return the stiffness of every wave at a state as its mass, shape (3, ny, nx // 2 + 1) (N/m).
 
         m(q) = ½E*q a² + c, c the interface's mean curvature, positive values only. Along z, where only a share f of the
-        surface is in contact, a wave bends between contacts, and c is in series with ½E*q a²/(1 − f). Along x and y
-        the interface is softer, and one c for all directions would slow these waves down.
+        surface is in contact, a wave bends between contacts, and c is in series with ½E*q a²/(1 − f).
         """
         hessian = np.empty((6, *displacement.shape[1:]))
         self.interaction.evaluate(displacement, self.force, hessian)
@@ -106,9 +95,8 @@ class ThermalSampler:
     def equilibrated(self, state: SamplerState, trajectories: int, generator: np.random.Generator) -> SamplerState:
         """Equilibrate a chain and find its time step.
 
-        From a minimum every trajectory gains energy and would be rejected: the first ones are accepted if their step is
-        stable. Then the step follows each proposal's acceptance probability with decreasing gain; the geometric mean of
-        the later half is kept (C. Andrieu, J. Thoms, Stat. Comput. 18, 343 (2008), doi:10.1007/s11222-008-9110-y).
+        From a minimum every trajectory gains energy: the first ones are accepted if their step is stable. Then the step
+        follows the acceptance (C. Andrieu, J. Thoms, Stat. Comput. 18, 343 (2008), doi:10.1007/s11222-008-9110-y).
         """
         relaxing = math.ceil(_RELAXING * trajectories)
         unstable = _UNSTABLE * 0.5 * self.thermal_energy * self.force.size
@@ -149,7 +137,7 @@ class ThermalSampler:
 
     def potential_energy(self, state: SamplerState) -> float:
         """Write the forces and return V (J), infinite if an atom is inside the substrate."""
-        interaction = self._interaction_energy(state.displacement)
+        interaction = self.interaction.evaluate(self._real(state.displacement), self.force)
         return self.elastic_energy(state) + interaction + self._push * float(state.displacement[2, 0, 0].real)
 
     def velocities(self, state: SamplerState, generator: np.random.Generator) -> np.ndarray:
@@ -176,7 +164,7 @@ class ThermalSampler:
             inner = 1 - 2 * kick if stage % 2 else 2 * kick
             self._kick(v, u, over_mass, dt * (inner if stage else kick))
             u += 0.5 * dt * v
-            if stage + 1 < stages and not np.isfinite(self._interaction_energy(u)):
+            if stage + 1 < stages and not np.isfinite(self.interaction.evaluate(self._real(u), self.force)):
                 return replace(state, evaluations=state.evaluations + stage + 2), v, np.inf
         found = replace(state, displacement=u, evaluations=state.evaluations + stages + 1)
         after = self.potential_energy(found)
@@ -196,9 +184,6 @@ class ThermalSampler:
 
     def _with_step(self, state: SamplerState, time_step: float) -> SamplerState:
         return replace(state, time_step=max(time_step, _SMALLEST_STEP))
-
-    def _interaction_energy(self, spectrum: np.ndarray) -> float:
-        return self.interaction.evaluate(self._real(spectrum), self.force, None)
 
     def _real(self, spectrum: np.ndarray) -> np.ndarray:
         """Return the field of a spectrum, in the transform's own buffer."""

@@ -29,11 +29,10 @@ class Motion:
 
 
 class MolecularDynamics:
-    """Block and interface in motion.
+    """Block and interface in motion, with a thermostat of a rate of ``damping`` (1/s) and a ``temperature`` (K).
 
-    ``damping`` is the rate at which a thermostat of the given ``temperature`` (K) removes momentum (1/s). A ``driven``
-    rigid plane keeps its velocity; damping then acts on the motion relative to it. After a step ``interface_force``,
-    shape (3, ny, nx), is that on the surface's atoms (N), ``interaction_energy`` the interface's (J).
+    A ``driven`` rigid plane keeps its velocity; damping then acts on the motion relative to it. After a step
+    ``interface_force``, shape (3, ny, nx), is that on the surface's atoms (N).
     """
 
     def __init__(
@@ -51,15 +50,13 @@ class MolecularDynamics:
         self.driven = driven
         self.interaction_energy = 0.0
         self.interface_force = np.empty((3, *block.atoms))
-        self._half_kick = 0.5 * time_step
         self._kept = float(np.exp(-damping * time_step))
         self._noise = constants.k * temperature * (1 - self._kept**2)
         self._spare = np.empty(block.size)  # receives the next displacement: neighbours need the former one
 
     def start(self, displacement: np.ndarray, velocity: float = 0.0) -> Motion:
         """Return a block moving along z (m/s), all planes at the mean height of the surface's atoms (m)."""
-        moving = np.zeros(self.block.size)
-        nodes = np.zeros(self.block.size)
+        moving, nodes = np.zeros(self.block.size), np.zeros(self.block.size)
         height = float(np.mean(displacement[2]))
         for level, speed in zip(self.block.levels_of(nodes), self.block.levels_of(moving), strict=True):
             level[2] = height
@@ -74,8 +71,7 @@ class MolecularDynamics:
         The end of a step and the first half of the next are one pass over the nodes: many steps in one call take half
         the work of single calls. FloatingPointError if an atom enters the substrate.
         """
-        half = 0.5 * self.time_step
-        kick = half
+        kick = half = 0.5 * self.time_step
         for _ in range(steps):
             # Damping and noise act on all nodes: fast waves of the surface do not reach the coarse levels.
             wind = (1 - self._kept) * motion.top_velocity if self.driven else 0.0
@@ -110,7 +106,7 @@ class MolecularDynamics:
         for mass, nodes in zip(self.block.plane_mass, self.block.levels_of(self._forces(motion)), strict=True):
             own = nodes[:, mass > 0, 1:-1, 1:-1]
             square_over_mass += float(np.dot(1 / mass[mass > 0], np.einsum("ckji,ckji->k", own, own)))
-        twice = self._mass_times_square(velocity) + square_over_mass * self._half_kick**2
+        twice = self._mass_times_square(velocity) + square_over_mass * (0.5 * self.time_step) ** 2
         return twice / (constants.k * self.block.freedoms)
 
     def temperature_of_whole(self, motion: Motion) -> float:
