@@ -18,9 +18,8 @@ _UPWARD = ((0, 0), (0, 1), (0, -1), (1, 0), (-1, 0))
 
 @row_kernel
 def rotating_slab_force(nodes, force, edge, shear_modulus, bulk, first, end):
-    """Write the forces (N) on rows of a slab whose ghosts are filled; return the rows' energy (J).
+    """Write the forces (N) on rows of a slab whose ghosts are filled; return the energy that begins there (J).
 
-    The energy is that of the springs and volumes whose lowest corner, of the least y and x, is a node of the rows.
     ``edge`` is that of a cell (m), ``shear_modulus`` μ and ``bulk`` λ − μ (Pa).
     """
     forces, pull, stress = _start(nodes, bulk, first, end)
@@ -56,10 +55,7 @@ def _start(nodes, bulk, first, end):
 
 @row_kernel
 def _add_layer(nodes, k, forces, pull, stress, edge, shear_modulus, bulk, first, with_energy):
-    """Complete the forces on plane k, in plane k & 1 of ``forces``, and begin those on the plane above.
-
-    Return the energy of the springs within the plane, and of springs and volumes between it and the one above.
-    """
+    """Complete the forces on plane k, in plane k & 1 of ``forces``; begin those above; return the layer's energy."""
     planes, _, columns = nodes.shape[1:]
     lines, start = nodes.reshape((3, planes, -1)), first * columns
     force = forces.reshape((3, 2, -1))

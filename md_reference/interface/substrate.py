@@ -83,10 +83,7 @@ def _evaluate_spline(coefficients, y, x, samples_per_y, samples_per_x, height, c
 
 
 def sample_substrate(
-    sample: Callable[[tuple[int, int]], np.ndarray],
-    size: tuple[float, float],
-    sites: tuple[int, int],
-    tolerance: float,
+    sample: Callable[[tuple[int, int]], np.ndarray], size: tuple[float, float], sites: tuple[int, int], tolerance: float
 ) -> Substrate:
     """Put sites on a surface of periods ``size`` (m), whose heights on a grid of any shape ``sample`` gives (m).
 

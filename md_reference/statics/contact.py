@@ -214,14 +214,9 @@ def rough_contact(
 
 
 def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean_gap: float) -> np.ndarray:
-    """Move a state to a mean height of ``mean_gap`` + r0, with no atom closer than 0.85 r0 to the surface (m).
-
-    Nor to the height of the nearest site, which on steep flanks is above the surface below the atom. InputError if all
-    atoms would be closer.
-    """
-    length = interface.length
+    """Move a state to a mean height of ``mean_gap`` + r0, with no atom closer than 0.85 r0 to surface and site (m)."""
+    length, target = interface.length, mean_gap + interface.length
     floor = interface.floor(displacement) + _CLOSEST * length
-    target = mean_gap + length
     if np.mean(floor) >= target:
         raise InputError(f"loading.path: a mean gap of {mean_gap:g} m needs atoms closer than 0.85 r0 everywhere")
 

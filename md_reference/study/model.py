@@ -106,10 +106,7 @@ def needs(case: Case) -> Iterator[Need]:
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Return notes on a study: keys without effect, blocks that ring, waves that the sites cannot represent.
-
-    InputError if the pair potential is too weak to hold the atoms of the block out of the substrate.
-    """
+    """Return notes on a study; InputError if the pair potential is too weak to hold the atoms out of the substrate."""
     notes = idle_motion(study.cases)
     if any(case.solver.path == "overdamped" != case.atomistic.method for case in study.cases):
         notes.append('solver.path = "overdamped": atoms do not read it; their method is atomistic.method')

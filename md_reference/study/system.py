@@ -17,8 +17,7 @@ from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.solution import Solution
 from md_reference.statics.contact import AtomisticContact
 
-# InterfaceState.restart of the point before; without one the path begins from separation. That of a state within an
-# ensemble resumes its point.
+# InterfaceState.restart of the point before, or of a state of an ensemble; without one the path begins apart.
 Restart = Mapping[str, np.ndarray] | None
 # Point number -> gap field (y, x) on any grid over the same rectangle (m), None if there is no such state.
 Predictor = Callable[[int], np.ndarray | None] | None
@@ -75,7 +74,7 @@ def interface_state(case: Case, solution: Solution) -> InterfaceState:
         pressure=solution.pressure,
         contact=case.law.in_contact(solution.gap, solution.pressure, case.contact_distance),
         equilibrium_distance=case.law.equilibrium_distance,
-        # The solver omits the uniform compression; that of a layer of atoms is the solid's, see its element.
+        # The solver omits the uniform compression.
         mean_separation=solution.mean_separation - case.solid.compression(mean_pressure),
         elastic_energy=solution.elastic_energy + case.solid.compression_energy(mean_pressure),
         interaction_energy=solution.interaction_energy,

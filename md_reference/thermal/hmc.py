@@ -102,18 +102,20 @@ class ThermalSampler:
         unstable = _UNSTABLE * 0.5 * self.thermal_energy * self.force.size
         for _ in range(relaxing):
             found, error = self._trajectory(state, generator)
-            finer = replace(self._with_step(state, 0.5 * state.time_step), evaluations=found.evaluations)
-            state = found if error < unstable else finer
+            finer = max(0.5 * state.time_step, _SMALLEST_STEP)
+            state = found if error < unstable else replace(state, time_step=finer, evaluations=found.evaluations)
         logarithms: list[float] = []
         for number in range(1, trajectories - relaxing + 1):
             found, error = self._trajectory(state, generator)
             probability = self._acceptance(error)
             factor = math.exp(_GAIN / math.sqrt(number) * (probability - _ACCEPTANCE))
             accepted = found if generator.random() < probability else state
-            state = replace(self._with_step(accepted, factor * state.time_step), evaluations=found.evaluations)
+            time_step = max(factor * state.time_step, _SMALLEST_STEP)
+            state = replace(accepted, time_step=time_step, evaluations=found.evaluations)
             logarithms.append(math.log(state.time_step))
         if logarithms:
-            state = self._with_step(state, math.exp(float(np.mean(logarithms[len(logarithms) // 2 :]))))
+            time_step = math.exp(float(np.mean(logarithms[len(logarithms) // 2 :])))
+            state = replace(state, time_step=max(time_step, _SMALLEST_STEP))
         return state
 
     def next(self, state: SamplerState, generator: np.random.Generator) -> SamplerState:
@@ -181,9 +183,6 @@ class ThermalSampler:
     def _acceptance(self, error: float) -> float:
         """Return the acceptance probability of a trajectory of ΔH = ``error`` (J)."""
         return math.exp(-max(error, 0.0) / self.thermal_energy) if math.isfinite(error) else 0.0
-
-    def _with_step(self, state: SamplerState, time_step: float) -> SamplerState:
-        return replace(state, time_step=max(time_step, _SMALLEST_STEP))
 
     def _real(self, spectrum: np.ndarray) -> np.ndarray:
         """Return the field of a spectrum, in the transform's own buffer."""

@@ -68,8 +68,7 @@ class MolecularDynamics:
     def move(self, motion: Motion, pressure: float, generator: np.random.Generator, steps: int = 1) -> None:
         """Integrate some time steps, in place, under a mean pressure (Pa), which a driven plane ignores.
 
-        The end of a step and the first half of the next are one pass over the nodes: many steps in one call take half
-        the work of single calls. FloatingPointError if an atom enters the substrate.
+        Many steps in one call take half the work of single calls. FloatingPointError if an atom enters the substrate.
         """
         kick = half = 0.5 * self.time_step
         for _ in range(steps):
@@ -92,10 +91,9 @@ class MolecularDynamics:
         return self.block.elastic_energy(motion.displacement, force)
 
     def temperature(self, motion: Motion) -> float:
-        """Return the kinetic temperature of the nodes relative to a driven plane (K).
+        """Return the kinetic temperature of the nodes relative to a driven plane (K), by velocities half a kick away.
 
-        It uses the velocities half a kick before and after the step's end: where forces are linear, their mean square
-        is that of equilibrium at any time step. Velocities at the step's end lack (ω dt)²/4 of it.
+        Where forces are linear, their mean square is that of equilibrium at any time step; at its end (ω dt)²/4 lack.
         """
         velocity = motion.velocity
         if self.driven:

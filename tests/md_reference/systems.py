@@ -90,11 +90,7 @@ SAMPLED = {
         "rms_height": "1 angstrom",
         "cutoff_mode": 3,
     },
-    "material": {
-        "youngs_modulus": YOUNGS,
-        "poissons_ratio": POISSON,
-        "lattice_constant": "2.6 angstrom",
-    },
+    "material": {"youngs_modulus": YOUNGS, "poissons_ratio": POISSON, "lattice_constant": "2.6 angstrom"},
     "interaction": {
         "law": "lennard_jones_10_4",
         "well_depth": WELL_DEPTH,

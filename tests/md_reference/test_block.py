@@ -5,18 +5,7 @@ import pytest
 
 from md_reference.block.condensed import CORNERS, effective_contact_modulus
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
-from tests.md_reference.systems import (
-    AREA,
-    E_STAR,
-    ELEMENT,
-    LAME,
-    MASS,
-    POISSON,
-    SPACING,
-    YOUNGS,
-    apply,
-    stiffness_of,
-)
+from tests.md_reference.systems import AREA, E_STAR, ELEMENT, LAME, MASS, POISSON, SPACING, YOUNGS, apply, stiffness_of
 
 SCALE = LAME[1] * SPACING**2  # a spring's force at a stretch of one
 
@@ -132,9 +121,7 @@ def test_uniform_strain_and_rigid_motion_are_exact_across_levels():
     # Springs of the size of the applied stress cancel to their rounding.
     assert np.max(np.abs(block.nodes_of(force))) < 1e-12 * abs(stress)
 
-
-def test_nodes_weigh_what_they_stand_for():
-    block = block_of()
+    # Nodes weigh what they stand for.
     assert (block.mass.sum() / 3 + block.top_mass) / MASS == pytest.approx((14 + 0.5) * 16**2, rel=1e-12)
     assert block.total_mass / MASS == pytest.approx((14 + 0.5) * 16**2, rel=1e-12)
     assert np.all(block.bottom_of(block.mass) == MASS)

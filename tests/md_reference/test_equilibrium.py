@@ -1,22 +1,23 @@
-"""Equilibria of the bottom layer: minima, two starts, gap control, pull-off, limits, light loads."""
+"""Equilibria of the bottom layer: minima, gap control, limits, light loads; the scripts that set them by others."""
 
 import numpy as np
 import pytest
+import tomli_w
+import xarray as xr
 
 from md_reference import rough_contact
-from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.interface.substrate import Substrate
 from md_reference.solution import Outcome
 from md_reference.statics.contact import at_mean_gap
 from md_reference.statics.energy import BlockEnergy, separated
 from md_reference.statics.newton import solve
+from research import continuum_against_atoms, two_starts
 from tests.bem_adhesion.paper_system import random_heights
 from tests.md_reference.systems import (
     AREA,
     E_STAR,
     R0,
+    SAMPLED,
     SPACING,
-    WELL_DEPTH,
     apply,
     interface_of,
     rough_heights,
@@ -25,8 +26,8 @@ from tests.md_reference.systems import (
 )
 
 
-def solver_of(atoms, ratio=1.0, held=False, interface=None):
-    interface = interface or interface_of(atoms, rough_heights(rms=1.2e-10), ratio)
+def solver_of(atoms, ratio=1.0, held=False):
+    interface = interface_of(atoms, rough_heights(rms=1.2e-10), ratio)
     energy = BlockEnergy(stiffness_of(atoms), interface, E_STAR, held)
     return interface, lambda start, pressure=0.0, most=2000: solve(energy, start, pressure, 1e-8, most)
 
@@ -91,27 +92,6 @@ def test_limits_and_impossible_starts_are_reported(monkeypatch):
     assert (found.outcome, found.iterations) == (Outcome.ITERATION_LIMIT, 31)
 
 
-@pytest.mark.parametrize(("held", "distance"), [(False, 0.95), (True, 1.5)])
-def test_no_equilibrium_on_top_of_a_barrier(held, distance):
-    atoms = (32, 32)
-    substrate = Substrate(np.zeros(atoms), (SPACING, SPACING))
-    interface = LennardJonesInterface(substrate, atoms, substrate.spacing, 8 * WELL_DEPTH, R0, 4.0)
-    start = np.zeros((3, *atoms))
-    start[2] = distance * R0
-    force = np.empty_like(start)
-    uniform = interface.evaluate(start, force) / (AREA * force[2].size)
-    pressure = float(np.mean(force[2])) / AREA
-    found = solver_of(atoms, held=held, interface=interface)[1](start, pressure)
-    assert found.outcome is Outcome.CONVERGED
-    work = 0.0 if held else pressure * np.mean(found.displacement[2] - start[2])
-    # What it gains is a good part of the energy, no rounding: measured 1.4 and 0.075 of it.
-    assert found.elastic_energy + found.interaction_energy + work < uniform - 0.05 * abs(uniform)
-    if held:
-        assert np.ptp(found.gap) > 0.2 * R0
-    else:
-        assert np.abs(found.displacement[:2]).max() > 0.3 * SPACING
-
-
 def test_a_balance_found_by_expansion_is_that_of_the_atoms(monkeypatch):
     # Forces on the way may be off by a tenth of the residual: what is returned is evaluated, wherever the solve ends.
     interface, solver = solver_of((40, 40), 4)
@@ -130,9 +110,8 @@ def test_a_balance_found_by_expansion_is_that_of_the_atoms(monkeypatch):
     [(2.98e-21, (1.0, 100.0, 2e3)), (2.98e-23, (1.0, 100.0, 2e3)), (2.98e-21, (1e8, 1e3, -10.0, 1.0))],
 )
 def test_atoms_carry_a_light_load(well_depth, loads):
-    height = 4e-10 * random_heights((32, 32), 2.3, 1)[0]
-    size = 32 * SPACING
-    block = rough_contact(height, size, SPACING, 77.2e9, 0.42, well_depth, 3.28e-10, max_iterations=100)
+    height, given = 4e-10 * random_heights((32, 32), 2.3, 1)[0], (77.2e9, 0.42, well_depth, R0)
+    block = rough_contact(height, 32 * SPACING, SPACING, *given, max_iterations=100)
     state = block.separated()
     for load in loads:
         found = block.step(state, load)
@@ -141,3 +120,37 @@ def test_atoms_carry_a_light_load(well_depth, loads):
         # Far below tolerance × E*; what may be missing of a load: contact_study.numerics.balance.
         assert found.pressure.mean() == pytest.approx(load, rel=1.01e-5)
         assert found.pressure.max() > load
+
+
+STUDY = {
+    **{name: SAMPLED[name] for name in ("material", "interaction")},
+    "surface": {**SAMPLED["surface"], "rms_height": "2 angstrom", "cutoff_mode": 4},
+    "loading": {"path": ["0.5 GPa"]},
+}
+
+
+def test_increments_lead_from_continuum_to_atoms(tmp_path):
+    (tmp_path / "study.toml").write_text(tomli_w.dumps(STUDY))
+    pressures = [str(tmp_path / "study.toml"), "--ratios", "1", "4", "--pressures", "0.5 GPa", "2 GPa"]
+    for script in (two_starts, continuum_against_atoms):
+        assert script.main([*pressures, "-o", str(tmp_path / f"{script.__name__}.nc")]) == 0
+    starts, found = (
+        xr.load_dataset(tmp_path / f"{each.__name__}.nc") for each in (two_starts, continuum_against_atoms)
+    )
+    assert starts["converged"].all()
+    # A residual of 1e-8 E* a² over the softest mode, as above.
+    assert float(starts["largest_gap_difference"].max()) < 3e-16
+    # Over the path: a single late step may take as many from either start.
+    assert starts["evaluations_predicted"].sum() < starts["evaluations_own"].sum()
+    assert found.sizes == {"well_depth_ratio": 2, "pressure": 2, "model": 8}
+    assert found["converged"].all()
+    area, gap = found["relative_contact_area"], found["mean_gap"]
+    steps = found["relative_contact_area_increment"].sum("model")
+    np.testing.assert_allclose(area.sel(model="continuum") + steps, area.sel(model="atoms"), rtol=1e-12)
+    # One set of equations, two minimisers: the same state to what a residual of 1e-8 E* leaves of the gap. The
+    # continuum's solver has the lattice's own stiffness by then.
+    assert float(abs(found["mean_gap_increment"].sel(model="other_minimiser")).max()) < 1e-16
+    assert not found["relative_contact_area_increment"].sel(model="other_minimiser").any()
+    assert (gap.sel(model="tilted_law") > gap.sel(model="lattice_stiffness")).all()
+    assert (gap.sel(model="atoms") < gap.sel(model="pair_sums")).all()
+    assert (found["measured_work_of_adhesion"] < found["work_of_adhesion"]).all()

@@ -159,10 +159,7 @@ def first_evaluated(distances):
     return start, cached, force
 
 
-@pytest.mark.parametrize(
-    ("error", "size"),
-    [(1e-6, 0.09), (1e-4, 0.003), (1e-4, 0.3), (1e-2, 0.03)],
-)
+@pytest.mark.parametrize(("error", "size"), [(1e-6, 0.09), (1e-4, 0.003), (1e-4, 0.3), (1e-2, 0.03)])
 def test_expanded_forces_are_within_the_error_allowed(error, size):
     start, cached, force = first_evaluated(np.random.default_rng(2).uniform(0.9, 4.2, MANY))
     rng = np.random.default_rng(1)

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from scipy import constants
 
-from contact_study.campaign.worker import Job, run_case
 from contact_study.numerics.time_series import statistics_of
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.block.verlet import Action, move_plane
 from md_reference.parallel_rows import share_rows
-from md_reference.study.model import MODEL
+from md_reference.study.model import POINTS_FOR_THREADS
 from md_reference.study.system import row_threads
 from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
 from tests.md_reference.systems import (
@@ -26,7 +25,6 @@ from tests.md_reference.systems import (
     rough_heights,
     touching,
 )
-from tests.recording import bins_of_case
 
 MASS = 197 * constants.atomic_mass
 FASTEST = fastest_wave(ELEMENT, MASS)
@@ -69,21 +67,6 @@ def test_energy_error_falls_with_the_square_of_the_step(shaken):
     assert swings[0] / swings[1] == pytest.approx(4, rel=0.1)
     assert swings[1] / swings[2] == pytest.approx(4, rel=0.03)
     assert swings[2] < 1e-3
-
-
-def test_momentum_changes_by_the_forces_from_outside_alone(shaken):
-    system, motion, pressure = system_of(), copy.deepcopy(shaken), 2e9
-    load = pressure * LAYER
-    before, impulse = system.momentum(motion), 0.0
-    outside = np.empty((3, *ATOMS))
-    for _ in range(50):
-        system.interaction.evaluate(np.ascontiguousarray(system.block.bottom_of(motion.displacement)), outside)
-        system.move(motion, pressure, np.random.default_rng(0))
-        mean = 0.5 * (outside[2].sum() + system.interface_force[2].sum())
-        impulse += system.time_step * (float(mean) - load)
-    moved = np.sum(np.abs(system.block.mass * motion.velocity))
-    assert abs(impulse) > 1e-3 * moved
-    assert system.momentum(motion) - before == pytest.approx(impulse, abs=1e-12 * moved)
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.3 * FASTEST])
@@ -149,18 +132,6 @@ def test_noise_has_the_moments_of_normal_numbers_and_no_memory():
         assert abs(np.mean((one**2 - 1) * (two**2 - 1))) < 5 * 2 / np.sqrt(one.size)
 
 
-def test_levels_have_noise_of_their_own():
-    quiet = {"damping": 1e-3 * FASTEST, "temperature": 300.0}
-    system = system_of(1e-3, Quartic(), block_of((6, 6), (32, 32)), **quiet)
-    motion = run(system, system.start(np.zeros((3, 32, 32))), 1, 0.0)
-    fine, coarse = (np.sign(nodes.reshape(3, -1)) for nodes in system.block.levels_of(motion.velocity))
-    product = fine[:, : coarse.shape[1]] * coarse
-    inner = product != 0  # forces leave none at 0
-    assert inner.sum() > 1000
-    # Five standard errors of a mean of signs.
-    assert abs(np.mean(product[inner])) < 5 / np.sqrt(inner.sum())
-
-
 @pytest.mark.parametrize(("factor", "least", "most"), [(1.9, 0, 100), (2.2, 1e6, np.inf)])
 def test_steps_beyond_the_fastest_wave_are_unstable(factor, least, most):
     system = system_of(factor, Quartic())
@@ -217,11 +188,6 @@ def test_any_number_of_threads_gives_the_same_bits(kind, monkeypatch):
 
 
 @pytest.mark.parametrize(("atoms", "expected"), [(150, 1), (200, 3)])
-def test_a_campaign_gives_idle_cores_to_layers_that_gain(atoms, expected, monkeypatch, tmp_path):
-    given, path, case = [], "md_reference.study.model.solve_path", case_of((atoms, atoms))
-    monkeypatch.setattr("md_reference.study.model.constants", lambda case, surface: {})
-    monkeypatch.setattr(path, lambda case, *_, **__: iter(given.append(case.solver.threads) or ()))
-    run_case(Job(MODEL, case, bins_of_case(case), tmp_path / "case", None, ""), 3, lambda *_: None)
-    assert given == [expected]
-    asked = [case_of((atoms, atoms), solver={"threads": threads}) for threads in (0, 3)]
-    assert [row_threads(case) for case in asked] == [1, expected]
+def test_layers_that_gain_take_the_threads_given(atoms, expected):
+    assert [row_threads(case_of((atoms, atoms), solver={"threads": given})) for given in (0, 3)] == [1, expected]
+    assert (atoms**2 >= POINTS_FOR_THREADS) == (expected > 1)  # what a campaign gives idle cores by

@@ -14,13 +14,13 @@ from contact_study.numerics import fourier
 from contact_study.study.case import realise
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.schema.sections import AtomisticSection
-from contact_study.study.study import Study
+from contact_study.study.study import Study, make_study
 from md_reference import rough_contact
 from md_reference.statics.contact import at_mean_gap
 from md_reference.statics.energy import separated
 from md_reference.study.model import METHODS, MODEL, check, constants, review, solve_path
 from md_reference.study.system import build_contact, build_stiffness
-from tests.md_reference.systems import E_STAR, POISSON, R0, SPACING, WELL_DEPTH, YOUNGS, case_of
+from tests.md_reference.systems import E_STAR, FLOW, POISSON, R0, SPACING, WELL_DEPTH, YOUNGS, case_of, changed, moving
 from tests.recording import recorded_path
 
 PATH = ("0.5 GPa", "2 GPa", "8 GPa")
@@ -177,6 +177,31 @@ def test_blocks_that_cannot_be_are_refused(case, words):
     with pytest.raises(InputError, match=words) if words else nullcontext():
         check(case)
         assert notes_on(case) == []
+
+
+GAP = {"control": "gap", "path": ["1 nm", "-4.2 nm"]}
+FORBIDDEN = [
+    (moving(material={"atom_mass": 0}), "material.atom_mass = 0: must be positive"),
+    (moving(dynamics={"time_step": "1 ps"}), r"dynamics.time_step = 1e-12 s: .* unstable from .*e-14 s on"),
+    (moving(dynamics={"approach_speed": "400 m/s"}), r"dynamics.approach_speed = 400 m/s: .*sound, 32\d m/s"),
+    (moving(dynamics={"duration": "10 fs"}), "duration = 1e-14 s: shorter than dynamics.frames = 20 steps"),
+    (moving(atomistic={"temperature": 300}, dynamics={"damping": 0}), "needs dynamics.damping above zero"),
+    (moving(loading=GAP, dynamics={"approach_speed": 0}), "give dynamics.approach_speed"),
+    (moving(loading=GAP), "presses a block of 4.16e-09 m flat"),
+    (moving(atomistic={"block": "nonlinear_springs", "method": "quasi_static"}), r'nonlinear_springs".*"dynamics"'),
+    (changed(atomistic={"method": "dynamics", "temperature": 0}), "missing key material.atom_mass"),
+    (changed(atomistic={"temperature": "-1 K"}), "atomistic.temperature = '-1 K': must be at least 0"),
+    (changed(atomistic={"temperature": 0}), "needs an atomistic.temperature above 0 K"),
+    (changed(atomistic={"method": "quasi_static"}), 'finds equilibria at zero temperature; "sampling" and "dynamics" '),
+    (changed(atomistic={"method": "overdamped"}), "temperature = 300 K.* is a motion without noise; .*sampling"),
+    (changed(**{**FLOW, "loading": {"control": "gap", "path": ["1 nm"]}}), 'loading.control = "gap".*atomistic.method'),
+]
+
+
+@pytest.mark.parametrize(("study", "words"), FORBIDDEN)
+def test_what_a_method_cannot_do_is_refused(study, words):
+    with pytest.raises(InputError, match=words):
+        check(make_study(study).cases[0])
 
 
 @pytest.mark.parametrize(
