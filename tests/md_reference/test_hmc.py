@@ -121,3 +121,15 @@ def test_the_time_step_is_found_from_far_away(pressed, first_step):
     # Set for 0.85, which is known from some thirty proposals of a spread of 0.25, on a steep slope: half a step more
     # and hardly any is taken. From below it is not quite there after forty-five.
     assert 0.7 < state.accepted / state.trajectories < 0.97
+
+
+def test_a_step_that_is_never_stable_ends():
+    class Inside(Quartic):
+        def evaluate(self, displacement, force, hessian=None):
+            super().evaluate(displacement, force, hessian)
+            return np.inf if displacement.any() else 0.0
+
+    sampler = ThermalSampler(stiffness_of((4, 4)), Inside(), E_STAR, 300.0)
+    state = sampler.equilibrated(sampler.start(np.zeros((3, 4, 4))), 80, np.random.default_rng(0))
+    assert state.time_step == pytest.approx(0.4 / 64)
+    assert state.evaluations == 1 + 2 * 80  # the state itself and the first stage of every trajectory

@@ -132,6 +132,18 @@ def test_noise_has_the_moments_of_normal_numbers_and_no_memory():
         assert abs(np.mean((one**2 - 1) * (two**2 - 1))) < 5 * 2 / np.sqrt(one.size)
 
 
+def test_levels_have_noise_of_their_own():
+    quiet = {"damping": 1e-3 * FASTEST, "temperature": 300.0}
+    system = system_of(1e-3, Quartic(), block_of((6, 6), (32, 32)), **quiet)
+    motion = run(system, system.start(np.zeros((3, 32, 32))), 1, 0.0)
+    fine, coarse = (np.sign(nodes.reshape(3, -1)) for nodes in system.block.levels_of(motion.velocity))
+    product = fine[:, : coarse.shape[1]] * coarse
+    inner = product != 0  # forces leave none at 0
+    assert inner.sum() > 1000
+    # Five standard errors of a mean of signs.
+    assert abs(np.mean(product[inner])) < 5 / np.sqrt(inner.sum())
+
+
 @pytest.mark.parametrize(("factor", "least", "most"), [(1.9, 0, 100), (2.2, 1e6, np.inf)])
 def test_steps_beyond_the_fastest_wave_are_unstable(factor, least, most):
     system = system_of(factor, Quartic())

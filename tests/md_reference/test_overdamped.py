@@ -12,6 +12,7 @@ from contact_study.results.schema import TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from md_reference.study.cold import OverdampedAtoms
+from md_reference.study.model import solve_path
 from md_reference.study.system import build_contact
 from tests.md_reference.systems import AREA, E_STAR, FLOW, R0, apply, case_of, changed, groups_of, touching
 
@@ -116,3 +117,11 @@ def test_loop_of_contact_pull_off_and_new_contact(tmp_path):
     quasi = {**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}
     still = contact_study.run(changed(**quasi), "atomistic")
     np.testing.assert_allclose(root.relative_contact_area, still.relative_contact_area, atol=1e-9)
+
+
+def test_work_of_a_point_is_told_whether_the_run_was_stopped_before_it_or_not():
+    case = make_study(changed(**{**FLOW, "loading": {"path": ["1 GPa", "0.5 GPa"]}})).cases[0]
+    surface = realise(case)
+    first, whole = (list(point.states)[-1] for point in solve_path(case, surface))
+    (resumed,) = (list(point.states)[-1] for point in solve_path(case, surface, first.restart, 1))
+    assert resumed.report == whole.report
