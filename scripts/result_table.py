@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.inputs.units import quantity
-from contact_study.report.align.cases import case_points, mean_pressure_unit, scales, select, series, sweep_points
+from contact_study.report.align.cases import case_points, mean_unit, scales, select, series, sweep_points
 from contact_study.report.align.deviations import split_pair
 from contact_study.report.facts.ranking import find
 from contact_study.report.models import entry_of, file_kinds, spectrum_of
@@ -45,7 +45,7 @@ def run(given: argparse.Namespace) -> None:
 def table(models: Mapping[str, xr.Dataset], pressures: Sequence[float]) -> str:
     """Markdown: a state a row, "A; ū" of each model a column."""
     names = [entry_of(name).words.removeprefix("the ") for name in models]
-    unit = mean_pressure_unit(models)
+    unit = mean_unit(models, "mean_pressure")
     lines = [head("", f"p ({unit.name})", *names)]
     for point in sweep_points(models):
         height = scales(models, point).rms_height

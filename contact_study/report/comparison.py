@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -65,12 +66,12 @@ def compare(asked: Request) -> int:
         asked.output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
     }
     for kind, files in asked.pictures.items():
-        outputs |= {files[name]: _writer(content) for name, content in drawn.files[kind].items()}
+        outputs |= {files[name]: partial(Path.write_bytes, data=content) for name, content in drawn.files[kind].items()}
     if asked.report:
         shown = inputs.with_first_spectra.models
         findings = find(shown, deviations, regime, statistics, from_surfaces)
         page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": asked.output.name}, findings)
-        outputs[asked.report] = _writer(page.encode())
+        outputs[asked.report] = partial(Path.write_bytes, data=page.encode())
     _write(outputs)
     print(*outputs, sep="\n")
     if failed := effort(*inputs.models.values())[1]:
@@ -115,15 +116,16 @@ def _without_filled_coordinates(dataset: xr.Dataset) -> xr.Dataset:
 
 def _attributes(inputs: Inputs, asked: Request) -> dict[str, str]:
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    histories = [str(inputs.groups[kind][""].attrs.get("history", "")) for kind in inputs.paths]
-    references = [str(inputs.groups[kind][""].attrs.get("references", "")) for kind in inputs.paths]
+    roots = [inputs.groups[kind][""].attrs for kind in inputs.paths]
+    references = (line for own in roots for line in str(own.get("references", "")).splitlines())
+    run = f"{now}: {asked.command} {shlex.join(asked.arguments)}"
     return {
         "Conventions": CONVENTIONS,
         "title": inputs.study.title,
         "institution": "not given",
         "source": f"bem-adhesion {contact_study.__version__}, {asked.command}",
-        "history": "\n".join([f"{now}: {asked.command} {shlex.join(asked.arguments)}", *histories]),
-        "references": "\n".join(dict.fromkeys(line for text in references for line in text.splitlines())),
+        "history": "\n".join([run, *(str(own.get("history", "")) for own in roots)]),
+        "references": "\n".join(dict.fromkeys(references)),
         "created": now,
         "git_commit": git_commit(),
         "warnings": "\n".join(collected_warnings(inputs)),
@@ -134,10 +136,6 @@ def _attributes(inputs: Inputs, asked: Request) -> dict[str, str]:
     }
 
 
-def _writer(content: bytes) -> Callable[[Path], Any]:
-    return lambda path: path.write_bytes(content)
-
-
 def _write(outputs: Mapping[Path, Callable[[Path], Any]]) -> None:
     """Write every file aside, then rename them all: a failure leaves what was there before."""
     partials = {path: path.with_name(f".{path.name}.{os.getpid()}.tmp") for path in outputs}
@@ -146,10 +144,10 @@ def _write(outputs: Mapping[Path, Callable[[Path], Any]]) -> None:
             writable_output(path)
             with writing(path):
                 write(partials[path])
-        for path, partial in partials.items():
+        for path, aside in partials.items():
             with writing(path):
-                partial.replace(path)
+                aside.replace(path)
     finally:
-        for partial in partials.values():
-            if partial.parent.is_dir():
-                partial.unlink(missing_ok=True)
+        for aside in partials.values():
+            if aside.parent.is_dir():
+                aside.unlink(missing_ok=True)

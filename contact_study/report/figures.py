@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from operator import attrgetter
 from typing import Any
 
@@ -12,6 +11,7 @@ from matplotlib.figure import Figure
 from contact_study import plots
 from contact_study.plots import panels as composed
 from contact_study.plots.panels import STATE_COLOURS, Panel, panels_figure, saved
+from contact_study.plots.paths import Curve
 from contact_study.plots.style import COLOURS, length_unit, pressure_unit
 from contact_study.report.align import curves, states
 from contact_study.report.align.cases import Scales, scales, sweep_points
@@ -60,14 +60,14 @@ def draw(
     shown, sample = panel_points(models, wanted), _first_sample(inputs)
     state = state_label(shown.case, point_label(shown.common, scales(models, shown.case), control))
     place = inputs, shown.case, shown.common, sample
-    makers: dict[str, Callable[[bool], Figure]] = {}
+    drawn: dict[str, list[Figure]] = {}
     for quantity, (name, *_) in _DENSITIES.items():
-        if any(panel.curves for panel in _density_panels(inputs, shown, quantity, True)):
-            makers[name] = partial(_densities, inputs, shown, quantity)
-    makers["contact_area"] = partial(_areas, inputs, scatter)
+        panels = [_density_panels(inputs, shown, quantity, reduced) for reduced in (False, True)]
+        if any(panel.curves for panel in panels[0]):
+            drawn[name] = [panels_figure(own) for own in panels]
+    drawn["contact_area"] = [_areas(inputs, scatter, reduced) for reduced in (False, True)]
     if any("mean_gap" in dataset and dataset["mean_gap"].notnull().any() for dataset in models.values()):
-        makers["mean_gap"] = partial(_gaps, inputs, scatter)
-    drawn = {name: [make(False), make(True)] for name, make in makers.items()}
+        drawn["mean_gap"] = [_gaps(inputs, scatter, reduced) for reduced in (False, True)]
     if maps := states.read_gaps(*place):
         drawn["gap_map"] = [composed.gap_maps({entry_of(name).label: own for name, own in maps.items()}, state)]
         if (interface := states.read_interface(*place)) is not None:
@@ -101,17 +101,7 @@ def _areas(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
     made = curves.path_curves(inputs.models, across, curves.AREA)
     pressed = (np.log10(curve.x[(curve.x > 0) & (curve.y > 0)]) for curve in made)
     compressed = any(np.unique(logarithms.round(4)).size >= _ROW for logarithms in pressed)
-    panels = [
-        Panel(
-            made,
-            across.label,
-            curves.AREA.label,
-            kind,
-            bands=curves.path_bands(inputs.branches, inputs.models, across, curves.AREA),
-            strips=_strips(inputs, scatter, across, curves.AREA),
-        )
-        for kind in ("linear", "loglog")[: 1 + compressed]
-    ]
+    panels = _panels(inputs, scatter, made, (across, curves.AREA), ("linear", "loglog")[: 1 + compressed])
     differ = len({law.counts_as_contact for law in inputs.laws}) > 1
     meanings = "; ".join(f"{law.title}: {law.counts_as_contact}" for law in inputs.laws)
     return panels_figure(panels, _strip_words(scatter), f"contact by {meanings}" if differ else "", height=4.2)
@@ -121,34 +111,30 @@ def _gaps(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:
     """Pressure against mean gap: logarithmic where there is compression, linear where there is tension."""
     across, up = curves.gap_axis(inputs.models, reduced), curves.pressure_axis(inputs.models, reduced)
     made = curves.path_curves(inputs.models, across, up)
-    there = {"log": any((curve.y[curve.finite] > 0).sum() >= _ROW for curve in made)}
-    there["linear"] = any((curve.y[curve.finite] < 0).any() for curve in made) or not there["log"]
-    panels = [
-        Panel(
-            made,
-            across.label,
-            up.label,
-            kind,
-            bands=curves.path_bands(inputs.branches, inputs.models, up, across),
-            strips=_strips(inputs, scatter, across, up),
-            upright=True,
-        )
-        for kind in there
-        if there[kind]
-    ]
+    kinds = ["log"] if any((curve.y[curve.finite] > 0).sum() >= _ROW for curve in made) else []
+    if not kinds or any((curve.y[curve.finite] < 0).any() for curve in made):
+        kinds.append("linear")
+    panels = _panels(inputs, scatter, made, (across, up), kinds, upright=True)
     return panels_figure(panels, _strip_words(scatter), height=3.9)
 
 
-def _strips(inputs: Inputs, scatter: Scatter | None, across: curves.Axis, up: curves.Axis) -> list[Any]:
-    return [] if scatter is None else curves.scatter_strips(inputs.models, scatter, across, up)
+def _panels(
+    inputs: Inputs,
+    scatter: Scatter | None,
+    made: list[Curve],
+    axes: tuple[curves.Axis, curves.Axis],
+    kinds: Sequence[str],
+    upright: bool = False,
+) -> list[Panel]:
+    """Curves over their bands and strips on several kinds of axes."""
+    bands = curves.path_bands(inputs.branches, inputs.models, *(axes[::-1] if upright else axes))
+    strips = curves.scatter_strips(inputs.models, scatter, *axes) if scatter else []
+    across, up = axes
+    return [Panel(made, across.label, up.label, kind, bands=bands, strips=strips, upright=upright) for kind in kinds]
 
 
 def _strip_words(scatter: Scatter | None) -> str:
     return f"{entry_of(scatter.model).label}, {scatter.surfaces} surfaces" if scatter else ""
-
-
-def _densities(inputs: Inputs, shown: PanelPoints, quantity: str, reduced: bool) -> Figure:
-    return panels_figure(_density_panels(inputs, shown, quantity, reduced))
 
 
 def _density_panels(inputs: Inputs, shown: PanelPoints, quantity: str, reduced: bool) -> list[Panel]:
@@ -168,17 +154,12 @@ def _density_panels(inputs: Inputs, shown: PanelPoints, quantity: str, reduced: 
     over_sweep = [(point, shown.common, point.label) for point in sweep_points(models)]
     over_path = [(shown.case, named, point_label(named, scale, control, reduced)) for named in shown.several]
     headings = common_label(models, shown.common, control, reduced), shown.case.label
-    return [
-        Panel(
-            curves.distributions(models, quantity, which, unit_of),
-            *labels,
-            "log",
-            heading,
-            densities=True,
-            colours=colours,
-        )
-        for which, heading, colours in ((over_sweep, headings[0], COLOURS), (over_path, headings[1], STATE_COLOURS))
-    ]
+    shows = (over_sweep, headings[0], COLOURS), (over_path, headings[1], STATE_COLOURS)
+    panels = []
+    for which, heading, colours in shows:
+        made = curves.distributions(models, quantity, which, unit_of)
+        panels.append(Panel(made, *labels, "log", heading, densities=True, colours=colours))
+    return panels
 
 
 def _first_sample(inputs: Inputs) -> Any:

@@ -45,10 +45,10 @@ def render_report(
     models, lead = shown.models, overview.lead_model(shown)
     pairs = [] if deviations is None else [split_pair(str(pair)) for pair in deviations["pair"].values]
     references = list(dict.fromkeys(reference for _, reference in pairs))
-    ranked = {
-        name: rank_models(inputs.models, deviations, regime, name) for name in references if deviations is not None
-    }
+    ranked = {name: rank_models(inputs.models, deviations, regime, name) for name in references}
     found_loops, changes = overview.loops(shown), overview.differences(models)
+    leads = [one for one in found_loops if one.model == lead]
+    counts = dict(zip(("total", "unconverged", "detached"), overview.effort(*inputs.models.values()), strict=True))
     return render(
         "report.html.j2",
         attrs=attrs,
@@ -64,16 +64,12 @@ def render_report(
         agreement=overview.agreement(shown, deviations),
         nearest=overview.mean_distances(findings.rankings),
         reference=entry_of(references[0]) if references else None,
-        pulled=[
-            (one, tables.pull_off_words(one, scales(models, one.at).contact_modulus))
-            for one in found_loops
-            if one.model == lead
-        ],
+        pulled=[(one, tables.pull_off_words(one, scales(models, one.at).contact_modulus)) for one in leads],
         errors=relative_errors(models, lead) if inputs.samples > 1 else [],
         samples=inputs.samples,
         averaged=inputs.average.replace("_", " "),
         loop=any(bool((own["branch"] == UNLOADING).any()) for own in models.values()),
-        steps=dict(zip(("total", "unconverged", "detached"), overview.effort(*inputs.models.values()), strict=True)),
+        steps=counts,
         several=len(inputs.models) > 1,
         grid=overview.grid_check(shown, regime),
         regime_range={name: overview.overall(regime, name) for name in regime.data_vars},
@@ -187,16 +183,9 @@ def _provenance(inputs: Inputs) -> list[dict[str, str]]:
     for kind, path in inputs.paths.items():
         attrs = inputs.groups[kind][""].attrs
         when, _, command = str(attrs.get("history", "")).partition(": ")
-        rows.append(
-            {
-                "model": _whose(inputs, kind),
-                "file": path.name,
-                "version": str(attrs.get("version", "")),
-                "commit": str(attrs.get("git_commit", "unknown"))[:12],
-                "when": when[:16].replace("T", " "),
-                "command": command.partition("\n")[0],
-            }
-        )
+        rows.append({"model": _whose(inputs, kind), "file": path.name, "version": str(attrs.get("version", ""))})
+        rows[-1] |= {"when": when[:16].replace("T", " "), "command": command.partition("\n")[0]}
+        rows[-1]["commit"] = str(attrs.get("git_commit", "unknown"))[:12]
     return rows
 
 

@@ -7,20 +7,8 @@ import numpy as np
 import xarray as xr
 
 from contact_study.plots.style import Unit, length_unit, pressure_unit
-from contact_study.report.align.cases import (
-    Scales,
-    case_points,
-    constant,
-    first_constant,
-    mean_gap_unit,
-    mean_pressure_unit,
-    parts_of,
-    scales,
-    select,
-    series,
-    state_at,
-    sweep_points,
-)
+from contact_study.report.align import cases
+from contact_study.report.align.cases import Scales, case_points, mean_unit, parts_of, scales, series, sweep_points
 from contact_study.report.align.deviations import split_pair
 from contact_study.report.facts.overview import Difference, Loop, effort
 from contact_study.report.facts.ranking import AREA, GAP, Ranking
@@ -98,6 +86,7 @@ def plain_table(header: Sequence[str | Both], rows: Sequence[Sequence[str | Both
 def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
     """Every state of every model: means over samples with their errors, and deviations from the first reference."""
     models, control, ensemble = inputs.models, inputs.control, inputs.samples > 1
+    pressures, gaps = (mean_unit(models, name) for name in ("mean_pressure", "mean_gap"))
     points = sweep_points(models)
     symbol, unit, height = PRESCRIBED[control], wording.control_unit(models, control), scales(models, points[0])
     modulus = "p/E*" if control == "pressure" else f"{symbol}/{height.height_symbol}"
@@ -106,8 +95,8 @@ def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
     columns += [Column(*applied), Column("branch", "branch"), Column("model", "model")]
     heads: dict[str, str | Both] = {
         "relative_contact_area": "A/A₀",
-        "mean_gap": Both(f"ū ({mean_gap_unit(models).name})", f"ū/{height.height_symbol}"),
-        "mean_pressure": Both(f"p ({mean_pressure_unit(models).name})", "p/E*"),
+        "mean_gap": Both(f"ū ({gaps.name})", f"ū/{height.height_symbol}"),
+        "mean_pressure": Both(f"p ({pressures.name})", "p/E*"),
     }
     shown = [name for name in heads if (name, control) != ("mean_pressure", "pressure")]
     for name in shown:
@@ -116,8 +105,8 @@ def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
     columns += [Column("samples", "samples")] if ensemble else []
     reference = "" if deviations is None else split_pair(str(deviations["pair"].values[0]))[1]
     if reference:
-        short, gaps = entry_of(reference).short, mean_gap_unit(models).name
-        gap = Both(f"ū − {short} ({gaps})", f"(ū − {short})/{height.height_symbol}")
+        short = entry_of(reference).short
+        gap = Both(f"ū − {short} ({gaps.name})", f"(ū − {short})/{height.height_symbol}")
         columns += [Column(f"A against {short}", f"{AREA} ({reference})"), Column(gap, f"{GAP} ({reference}, m)")]
     table = Table([*columns, Column("state", "state")])
     lead = max(models.values(), key=lambda dataset: len(dataset.dims))
@@ -125,7 +114,7 @@ def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
     for point in points:
         scale = scales(models, point)
         keys = [Cell(wording.coordinate_label(k, v, units[k]), _raw(v)) for k, v in point.selection.items()]
-        parts = {name: part for name, dataset in models.items() if (part := select(dataset, point)) is not None}
+        parts = {name: part for name, dataset in models.items() if (part := cases.select(dataset, point)) is not None}
         found = {name: {own: series(part, own) for own in shown if own in part} for name, part in parts.items()}
         paths = {name: case_points(part) for name, part in parts.items()}
         for named in dict.fromkeys(one for path in paths.values() for one in path if one is not None):
@@ -135,14 +124,13 @@ def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
                 for quantity in shown:
                     own = found[name].get(quantity)
                     both = (np.nan, np.nan) if own is None else (own.values[step], own.standard_error[step])
-                    row += [_quantity(quantity, float(value), models, scale) for value in both[: 1 + ensemble]]
+                    row += [_quantity(quantity, float(value), pressures, gaps, scale) for value in both[: 1 + ensemble]]
                 area = found[name]["relative_contact_area"]
                 row += [Cell(str(int(area.samples[step])), float(area.samples[step]))] if ensemble else []
                 if deviations is not None:
-                    pair = f"{name} - {reference}"
-                    own_pair = deviations.sel(pair=pair) if pair in deviations["pair"].values else None
-                    here = None if own_pair is None else state_at(own_pair, point, named)
-                    row += [_EMPTY, _EMPTY] if here is None else _deviation_cells(here, scale, mean_gap_unit(models))
+                    own_pair = deviations.isel(pair=deviations["pair"].values == f"{name} - {reference}")
+                    here = cases.state_at(own_pair.squeeze("pair"), point, named) if own_pair.sizes["pair"] else None
+                    row += [_EMPTY, _EMPTY] if here is None else _deviation_cells(here, scale, gaps)
                 row.append(Cell(_state(parts[name].isel(step=step), bool(area.fit[step]))))
                 table.rows.append(row)
     return table
@@ -160,15 +148,14 @@ def _point_cells(named: PathPoint, unit: Unit, scale: Scales, control: str) -> l
     return [Cell(Both(number(value / unit.size, 5), number(value / size, 4)), value), Cell(words)]
 
 
-def _quantity(name: str, value: float, models: Models, scale: Scales) -> Cell:
+def _quantity(name: str, value: float, pressures: Unit, gaps: Unit, scale: Scales) -> Cell:
     if not np.isfinite(value):
         return _EMPTY
     if name == "relative_contact_area":
         return Cell(fixed(value, 4), value)
     if name == "mean_gap":
-        return Cell(Both(number(value / mean_gap_unit(models).size, 4), fixed(value / scale.rms_height, 3)), value)
-    sizes = mean_pressure_unit(models).size, scale.contact_modulus
-    return Cell(Both(*(number(value / size, 4) for size in sizes)), value)
+        return Cell(Both(number(value / gaps.size, 4), fixed(value / scale.rms_height, 3)), value)
+    return Cell(Both(*(number(value / size, 4) for size in (pressures.size, scale.contact_modulus))), value)
 
 
 def _state(here: xr.Dataset, fit: bool) -> str:
@@ -185,7 +172,7 @@ def _deviation_cells(here: xr.Dataset, scale: Scales, unit: Unit) -> list[Cell]:
     for name in (AREA, GAP):
         value = float(here[f"{name}_mean" if f"{name}_mean" in here else name]) if name in here else np.nan
         error = float(here.get(f"{name}_standard_error", np.nan))
-        words = wording.percent(value, error) if name == AREA else _in_both(value, error, unit, scale)
+        words = percent_of(value, error, plus=True) if name == AREA else _in_both(value, error, unit, scale)
         cells.append(Cell(words, value) if np.isfinite(value) else _EMPTY)
     return cells
 
@@ -200,7 +187,7 @@ def agreement_table(inputs: Inputs, rankings: Sequence[Ranking], gaps: bool = Fa
 
     A model is a row, a point of the sweep a column.
     """
-    unit = mean_gap_unit(inputs.models)
+    unit = mean_unit(inputs.models, "mean_gap")
     ranked = [{one.model: one for one in ranking.distances} for ranking in rankings]
     heads = [f"{ranking.at.label or 'all states'}{' ⚠' if ranking.trapped else ''}" for ranking in rankings]
     table = Table([Column(head) for head in ("", *heads)])
@@ -223,7 +210,7 @@ def agreement_table(inputs: Inputs, rankings: Sequence[Ranking], gaps: bool = Fa
 
 def difference_table(inputs: Inputs, found: Sequence[Difference]) -> Table:
     """Changes along the sweep, a row for each model and neighbouring points."""
-    unit, first = mean_gap_unit(inputs.models), scales(inputs.models, sweep_points(inputs.models)[0])
+    unit, first = mean_unit(inputs.models, "mean_gap"), scales(inputs.models, sweep_points(inputs.models)[0])
     rows: list[list[str | Both]] = []
     for one in found:
         words = _in_both(*one.gap, unit, scales(inputs.models, one.before)) if np.isfinite(one.gap[0]) else NOTHING
@@ -282,7 +269,9 @@ def regime_table(models: Models, regime: xr.Dataset) -> Table:
 
 def constants_table(models: Models) -> Table:
     """Inputs of continuum and theories beside what the atomistic model measured on itself."""
-    stress = pressure_unit(max(first_constant(models, point, "contact_modulus") for point in sweep_points(models)))
+    stress = pressure_unit(
+        max(cases.first_constant(models, point, "contact_modulus") for point in sweep_points(models))
+    )
     distance, height = (
         length_unit(max((float(own[name].max()) for own in models.values() if name in own), default=0.0))
         for name in ("equilibrium_distance", "rms_height")
@@ -299,7 +288,7 @@ def constants_table(models: Models) -> Table:
     rows = []
     for point, model, part in parts_of(models):
         if any(name in part for name in used):
-            cells = [_or_nothing(number, constant(part, name) / size, 5) for name, (_, size) in used.items()]
+            cells = [_or_nothing(number, cases.constant(part, name) / size, 5) for name, (_, size) in used.items()]
             rows.append([point.label, entry_of(model).label, *cells])
     return plain_table(["", "model", *(words for words, _ in used.values())], rows)
 

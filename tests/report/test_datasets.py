@@ -166,14 +166,6 @@ def test_a_dataset_that_is_not_its_studys_is_refused(files, tmp_path, change, wo
     assert words in message
 
 
-def test_a_part_of_a_sweep_is_compared_as_what_it_is(files, tmp_path):
-    path = tmp_path / "part.nc"
-    xr.load_dataset(files[1], decode_timedelta=False).sel(well_depth_ratio=[8]).to_netcdf(path)
-    inputs = read_inputs([files[0], path])
-    assert inputs.studies["atomistic"].sweep["well_depth_ratio"].values == (8.0,)
-    assert any("share 1 points" in note for note in inputs.notes)
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -204,9 +204,9 @@ def test_unloading_looks_different(tmp_path):
 
 def test_datasets_of_one_model_and_models_without_a_sweep_look_different():
     names = ["continuum:a", "continuum:b", "atomistic:a", "atomistic:b"]
-    assert len({(str(look.line), look.marker) for look in (look_of(name, names) for name in names)}) == 4
-    first = look_of("continuum:a", names)
-    assert (first.line, first.marker) == ("-", "o"), "its own comes first"
+    looks = [(str(look.line), look.marker) for look in (look_of(name, names) for name in names)]
+    assert len({*looks}) == 4
+    assert looks[0] == ("-", "o"), "its own comes first"
     for label, count in (("", 2), ("ε = ε₀", 1)):
         curves = [curve([1, 1], [1, 2], name, label, look=look_of(name, [name])) for name in ("continuum", "gap_flow")]
         collections = figure_of(curves).axes[0].collections
@@ -220,17 +220,15 @@ def test_gap_maps_lie_as_the_surface_does(tmp_path):
     maps = read_gaps(wide, *at(panel_points(wide.models)))
     assert extent(maps["continuum"]) == pytest.approx((208e-10, 832e-10), rel=1e-12)
     with xr.open_dataset(wide.paths["continuum"]) as dataset:
-        stored = dataset["gap"].isel(step=1).values
+        stored = dataset["gap"].isel(step=1).values / 1e-9
     maps["atomistic"]["gap"] *= 1.5
-    panels = [axes for axes in gap_maps(maps).axes if axes.images]
-    for axes, factor in zip(panels, (1.5, 1.0), strict=True):
-        (image,) = axes.images
+    panels = [axes.images[0] for axes in gap_maps(maps).axes if axes.images]
+    for image, gap in zip(panels, (1.5 * stored, stored), strict=True):
         assert image.get_extent() == pytest.approx([0, 83.2, 0, 20.8])
         assert image.origin == "lower"
-        shown = np.where(factor * stored < 3.68e-10, 0.0, factor * stored / 1e-9)
-        np.testing.assert_allclose(image.get_array().filled(0.0), shown)
-        assert image.get_clim() == pytest.approx((0.368, 1.5 * stored.max() / 1e-9)), "one bar for both"
-    assert image.colorbar.extend == "min", "contact"
+        np.testing.assert_allclose(image.get_array().filled(0.0), np.where(gap < 0.368, 0.0, gap))
+        assert image.get_clim() == pytest.approx((0.368, 1.5 * stored.max())), "one bar for both"
+    assert panels[1].colorbar.extend == "min", "contact"
     for gap, words in ((9e-10, "neither"), (3e-10, "min")):
         image = gap_maps({"continuum": cell(np.full((4, 4), gap))}).axes[0].images[0]
         assert image.norm.vmin < image.norm.vmax

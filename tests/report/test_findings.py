@@ -151,16 +151,12 @@ def test_what_is_no_scatter_of_these_is_refused(inputs, tmp_path, text, kind, wo
 def test_scatter_beside_another_average_or_none(files, seeds, inputs, tmp_path, capsys):
     with pytest.raises(InputError, match="does not go with --average rms_height"):
         read_scatter(seeds, read(tmp_path, HEIGHTS, average="rms_height"))
-    coarser = write(tmp_path / "coarse.nc", "continuum", SEEDED.replace("[24, 24]", "[16, 16]"))
-    (note,) = read_scatter(coarser, inputs).notes
+    other = SEEDED.replace("[24, 24]", "[16, 16]").replace("fields = true", "fields = false")
+    (note,) = read_scatter(write(tmp_path / "other.nc", "continuum", other), inputs).notes
     assert "surface.shape is [24, 24] in the one and [16, 16] in the other" in note
-    bare = write(tmp_path / "bare.nc", "continuum", SEEDED.replace("fields = true", "fields = false"))
-    assert [read_scatter(path, inputs).notes for path in (seeds, bare)] == [(), ()]
-    for output, scatter, words in (
-        (tmp_path / "out.nc", tmp_path / "none.nc", "none.nc: does not exist"),
-        (bare, bare, "choose another output"),
-    ):
-        assert run(*files, "-o", output, "--scatter", scatter, "--overwrite") == 1
+    assert read_scatter(seeds, inputs).notes == ()
+    for output, scatter, words in (("out.nc", "none.nc", "does not exist"), ("other.nc", "other.nc", "another output")):
+        assert run(*files, "-o", tmp_path / output, "--scatter", tmp_path / scatter, "--overwrite") == 1
         assert words in capsys.readouterr().err
     assert not (tmp_path / "out.nc").exists()
 

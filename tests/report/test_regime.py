@@ -18,10 +18,10 @@ PAPER = (
 )
 
 
-def of_case(text, solid=None, shape=None):
+def of_case(text, solid=None):
     case = study(text).cases[0]
     surface = realise(case)
-    return roughness(surface.heights(shape or surface.shape), surface.size, solid or case.solid)
+    return roughness(surface.heights(surface.shape), surface.size, solid or case.solid)
 
 
 def test_roughness_of_a_wave():
@@ -42,12 +42,6 @@ def test_roughness_of_a_wave():
     exact = np.mean(np.sqrt(1 + (height * q * np.sin(angle)) ** 2))
     # The mean over fifteen points of a smooth periodic function is exact far beyond this.
     assert found.area_factor == pytest.approx(exact, rel=1e-8)
-
-
-def test_roughness_does_not_depend_on_the_grid():
-    coarse, fine = (of_case(STUDY, HalfSpace(1.0), shape) for shape in ((24, 24), (45, 64)))
-    for name in ("rms_height", "rms_slope", "rms_laplacian", "conformal_energy", "conformal_stress"):
-        assert getattr(coarse, name) == pytest.approx(getattr(fine, name), rel=1e-12)
 
 
 def test_paper_system(tmp_path):
@@ -85,11 +79,9 @@ def test_full_contact_with_a_layer_is_that_of_its_stiffness(tmp_path):
     thin = STUDY + '[elasticity]\nkind = "layer"\nthickness = "10.4 angstrom"\n'
     plain, layered = (compute_regime(read(tmp_path, text)) for text in (STUDY, thin))
     surfaces = of_case(thin, HalfSpace(1.0)), of_case(thin)
-    for name, own in (
-        ("full_contact_energy", "conformal_energy"),
-        ("full_contact_stress_over_peak", "conformal_stress"),
-    ):
+    for name, own in (("energy", "conformal_energy"), ("stress_over_peak", "conformal_stress")):
         half_space, layer = (getattr(surface, own) for surface in surfaces)
         assert layer / half_space > 3
-        np.testing.assert_allclose(layered[name] / plain[name], layer / half_space, rtol=1e-10)
+        ratio = layered[f"full_contact_{name}"] / plain[f"full_contact_{name}"]
+        np.testing.assert_allclose(ratio, layer / half_space, rtol=1e-10)
     np.testing.assert_allclose(layered["process_zone"], plain["process_zone"], rtol=1e-12)

@@ -7,7 +7,6 @@ from contact_study.report.text.wording import (
     fixed,
     length,
     number,
-    percent,
     percent_of,
     pressure_unit,
     varied,
@@ -24,11 +23,11 @@ from contact_study.report.text.wording import (
         (number(0.25, 2, True), "+0.25"),
         (number(-3e-7, 2, True), "−3 · 10⁻⁷"),
         # No more digits than it means.
-        (percent(-0.4449), "−44 %"),
-        (percent(0.0449), "+4.5 %"),
+        (percent_of(-0.4449, plus=True), "−44 %"),
+        (percent_of(0.0449, plus=True), "+4.5 %"),
         (percent_of(0.5), "50 %"),
-        (percent(0.0449, 0.003), "+4.5 ± 0.3 %"),
-        (percent(-0.4449, 0.0004), "−44.49 ± 0.04 %"),
+        (percent_of(0.0449, 0.003, plus=True), "+4.5 ± 0.3 %"),
+        (percent_of(-0.4449, 0.0004, True), "−44.49 ± 0.04 %"),
         # An error is never rounded to nothing.
         (with_error(1.638, 0.0003, 3), "1.6380 ± 0.0003"),
         (with_error(1.638, 0.02, 3), "1.638 ± 0.020"),

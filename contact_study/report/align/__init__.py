@@ -1,4 +1,1 @@
-"""Numbers of all models on common states: points of the sweep, means, deviations, regime numbers.
-
-Nothing here is text or a picture; conclusions are drawn in ``facts``.
-"""
+"""Numbers of all models on common states; conclusions are drawn in ``facts``."""

@@ -1,7 +1,6 @@
 """Points of the sweep as a reader sees them: one colour, one name and one set of units each, seeds averaged."""
 
 import itertools
-import math
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -168,25 +167,8 @@ def scales(models: Mapping[str, xr.Dataset], point: SweepPoint) -> Scales:
     return Scales(first_constant(models, point, "contact_modulus"), rms_height if rough else 1e-9, rough)
 
 
-def common_scales(models: Mapping[str, xr.Dataset]) -> tuple[bool, bool]:
-    """Whether E*, and whether h_rms, is the same at every point of the sweep."""
-    every = [scales(models, point) for point in sweep_points(models)]
-    return (
-        all(math.isclose(one.contact_modulus, every[0].contact_modulus) for one in every),
-        all(math.isclose(one.rms_height, every[0].rms_height) for one in every),
-    )
-
-
-def mean_pressure_unit(models: Mapping[str, xr.Dataset]) -> Unit:
-    """The unit of mean pressures."""
-    return pressure_unit(_largest(models, "mean_pressure"))
-
-
-def mean_gap_unit(models: Mapping[str, xr.Dataset]) -> Unit:
-    """The unit of mean gaps."""
-    return length_unit(_largest(models, "mean_gap"))
-
-
-def _largest(models: Mapping[str, xr.Dataset], name: str) -> float:
+def mean_unit(models: Mapping[str, xr.Dataset], name: str) -> Unit:
+    """The unit of mean pressures, or of mean gaps."""
     values = np.concatenate([np.empty(0), *(d[name].values.ravel() for d in models.values() if name in d)])
-    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    return pressure_unit(largest) if name == "mean_pressure" else length_unit(largest)

@@ -38,7 +38,7 @@ def pressure_axis(models: Models, reduced: bool) -> Axis:
     """Mean pressure in a unit that suits it, or over E*."""
     if reduced:
         return Axis("mean_pressure", r"pressure $p/E^*$", lambda scale: scale.contact_modulus)
-    unit = cases.mean_pressure_unit(models)
+    unit = cases.mean_unit(models, "mean_pressure")
     return Axis("mean_pressure", rf"pressure $p$ ({unit.name})", lambda scale: unit.size)
 
 
@@ -46,7 +46,7 @@ def gap_axis(models: Models, reduced: bool) -> Axis:
     """Mean gap in a unit that suits it, or over the rms height where there is one."""
     if reduced and scales(models, sweep_points(models)[0]).rough:
         return Axis("mean_gap", r"mean gap $\bar{u}/h_\mathrm{rms}$", lambda scale: scale.rms_height)
-    unit = cases.mean_gap_unit(models)
+    unit = cases.mean_unit(models, "mean_gap")
     return Axis("mean_gap", rf"mean gap $\bar{{u}}$ ({unit.name})", lambda scale: unit.size)
 
 

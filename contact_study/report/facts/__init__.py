@@ -1,4 +1,1 @@
-"""Statements of the report as objects: numbers, models and states, computed from the datasets.
-
-No sentence is written here; the templates turn facts into text.
-"""
+"""Conclusions from the numbers, which tables, figures and text show."""

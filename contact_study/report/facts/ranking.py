@@ -64,13 +64,13 @@ class Ranking:
 
 
 def rank_models(
-    models: Mapping[str, xr.Dataset], deviations: xr.Dataset, regime: xr.Dataset, reference: str | None = None
+    models: Mapping[str, xr.Dataset], deviations: xr.Dataset | None, regime: xr.Dataset, reference: str | None = None
 ) -> list[Ranking]:
     """Rank the models at each point of the sweep that has shared states by their deviations from the reference."""
+    if deviations is None or AREA not in deviations:
+        return []
     reference = reference or split_pair(deviations["pair"].values[0])[1]
     pairs = [pair for pair in deviations["pair"].values if split_pair(pair)[1] == reference]
-    if AREA not in deviations:
-        return []
     parts = parts_of({"": deviations.sel(pair=pairs)}, sweep_points(models))
     found = (_rank(part, point, scales(models, point).rms_height, select(regime, point)) for point, _, part in parts)
     return [ranking for ranking in found if ranking is not None]

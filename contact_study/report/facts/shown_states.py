@@ -1,5 +1,6 @@
 """Which states the figures of distributions and fields show, what these are called, and the captions."""
 
+import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,6 @@ from contact_study.report.align.cases import (
     Scales,
     SweepPoint,
     case_points,
-    common_scales,
     control_of,
     parts_of,
     scales,
@@ -90,9 +90,10 @@ def point_label(named: PathPoint, units: Scales, control: str, reduced: bool = F
 
 def common_label(models: Mapping[str, xr.Dataset], named: PathPoint, control: str, reduced: bool = False) -> str:
     """A point of the path for the whole sweep; reduced where the unit is one for all of it."""
-    one_modulus, one_height = common_scales(models)
-    one = one_modulus if control == "pressure" else one_height
-    return point_label(named, scales(models, sweep_points(models)[0]), control, reduced and one)
+    every = [scales(models, point) for point in sweep_points(models)]
+    sizes = [one.contact_modulus if control == "pressure" else one.rms_height for one in every]
+    same = all(math.isclose(size, sizes[0]) for size in sizes)
+    return point_label(named, every[0], control, reduced and same)
 
 
 def state_label(point: SweepPoint, words: str) -> str:

@@ -1,4 +1,1 @@
-"""Text of the report: templates, and the wording that they share.
-
-No numbers are computed here.
-"""
+"""Text of the report: templates and the wording that they share; no numbers are computed here."""

@@ -36,18 +36,9 @@ def with_error(value: float, error: float, decimals: int, plus: bool = False) ->
     return f"{fixed(value, decimals, plus)} ± {fixed(error, decimals)}"
 
 
-def percent(value: float, error: float = np.nan) -> str:
-    """A signed fraction in per cent; at most one digit behind the point, which is as much as it can mean."""
-    return f"{with_error(100 * value, 100 * error, _decimals(value), plus=True)} %"
-
-
-def percent_of(value: float, error: float = np.nan) -> str:
-    """A magnitude in per cent, as :func:`percent`."""
-    return f"{with_error(100 * value, 100 * error, _decimals(value))} %"
-
-
-def _decimals(fraction: float) -> int:
-    return 0 if abs(fraction) >= 0.1 else 1
+def percent_of(value: float, error: float = np.nan, plus: bool = False) -> str:
+    """A fraction in per cent; at most one digit behind the point, which is as much as it can mean."""
+    return f"{with_error(100 * value, 100 * error, 0 if abs(value) >= 0.1 else 1, plus)} %"
 
 
 def length(value: float) -> str:
