@@ -17,8 +17,7 @@ from contact_study.physics.lattice import Lattice
 from md_reference.interface.substrate import Substrate, sample_substrate
 from md_reference.parallel_rows import share_rows
 
-# Below this height over the nearest site, in units of r0, an atom counts as inside the substrate: the repulsion there
-# is beyond (1/0.3)¹¹ of the law's scale, which no block can exert, and further down it would change sign.
+# Below this height over the nearest site (r0) an atom counts as inside the substrate: no block exerts such a repulsion.
 INSIDE = 0.3
 
 _SWITCH_START = 0.9  # of the cutoff, to which the switch acts

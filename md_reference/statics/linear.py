@@ -22,8 +22,7 @@ from md_reference.block.spectral import invert, multiply
 from md_reference.statics.atomwise import split
 
 _NEGLIGIBLE = 0.1  # curvature over c that is left to the tail
-# Energy of a direction s below this fraction of the sum's terms counts as zero: rounding of single precision. Above
-# this fraction of c |s|² it needs no second test.
+# Energy of a direction s below this fraction of the sum's terms counts as zero; above it times c |s|² without a test.
 _ROUNDING = 1e-6
 
 

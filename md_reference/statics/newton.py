@@ -16,8 +16,7 @@ from md_reference.statics.energy import BlockEnergy, Load, MinimizerState
 # Residuals in units of a² E*, lengths in units of r0.
 _FALL = 0.9  # step of a whole block out of reach
 _VANISHING_STEPS = 5  # so many in a row: the residual has reached its rounding
-# Reduction of the residual in a linear solve: with damped curvature, with all of it, at the end (single precision loses
-# more than it gains below).
+# Reduction of the residual in a linear solve: with damped curvature, with all of it, at the end (single precision).
 _DAMPED_REDUCTION, _REDUCTION, _SMALLEST_REDUCTION = 0.3, 0.1, 0.03
 # Iterations of a linear solve, and of one below the residual "close".
 _FEW_ITERATIONS, _MANY_ITERATIONS, _CLOSE = 60, 300, 1e-3

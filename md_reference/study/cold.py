@@ -20,8 +20,7 @@ from md_reference.statics.contact import AtomisticContact
 from md_reference.statics.energy import Load, MinimizerState
 from md_reference.study.system import Predictor, Restart, States, build_contact, interface_state
 
-# Newton's method within a time step: reduction of the residual in a linear solve, iterations of one, Newton steps, and
-# error of the step's minimum over the allowed error of the time step.
+# Within a time step: reduction of a linear solve, its iterations, Newton steps, error over that of the time step.
 _REDUCTION, _LINEAR_ITERATIONS, _NEWTON_STEPS, _ACCURACY = 0.1, 100, 8, 0.05
 
 

@@ -25,8 +25,7 @@ from md_reference.interface.pairs import LennardJonesInterface
 _OUTER_KICK = (3 - 5**0.5) / 4  # b
 _TRAJECTORY = 3.2  # mean length of a trajectory: half a period of a wave
 _FIRST_STEP, _SMALLEST_STEP = 0.4, 0.4 / 64
-# Aimed share of accepted proposals. The cost of an independent state is flat about its optimum, 0.65 for errors of
-# second order (A. Beskos et al., Bernoulli 19, 1501 (2013)) and more for those of higher ones.
+# Aimed share of accepted proposals: above 0.65, the optimum of second order (A. Beskos, Bernoulli 19, 1501 (2013)).
 _ACCEPTANCE = 0.85
 _GAIN = 0.7  # of ln(time step) per proposal, over the root of their number
 _RELAXING = 0.25  # share of the equilibration that brings the state to its temperature
