@@ -6,7 +6,7 @@ Where a patch jumps, its edge moves for tens of Newton steps while all else rest
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bem_adhesion.adhesive.newton import CLOSE, MakeSolver
+from bem_adhesion.adhesive.newton import MakeSolver
 from bem_adhesion.operators import Load
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Memory
@@ -35,8 +35,8 @@ class LocalNewton:
         self, gap: np.ndarray, pressing: np.ndarray, load: Load, right_side: np.ndarray, out: np.ndarray
     ) -> bool:
         """Write a gap that is relaxed where it is far from balance into ``out``; return whether there is one."""
-        solver = self.solver
-        corners = find_subdomains(_largest_of_tiles(right_side, self._tile))
+        solver, close = self.solver, self.solver.options.close
+        corners = find_subdomains(_largest_of_tiles(right_side, self._tile), close)
         if corners is None:
             return False
         out[...] = gap
@@ -48,7 +48,7 @@ class LocalNewton:
             # Where subdomains overlap, the next starts from the result of the last.
             start = out[here]
             solver.set_anchor_springs(self._springs, start, stalls=False)
-            out[here] = solver.solve(start.copy(), local_load, CLOSE, STEPS).gap
+            out[here] = solver.solve(start.copy(), local_load, close, STEPS).gap
         return True
 
 
@@ -68,11 +68,11 @@ def _largest_of_tiles(field: np.ndarray, tile: tuple[int, int]) -> np.ndarray:
     return np.maximum(over(np.maximum), -over(np.minimum))
 
 
-def find_subdomains(largest: np.ndarray) -> list[tuple[int, int]] | None:
-    """Find the first tiles of subdomains that cover all with a residual above CLOSE; None without, or too many."""
+def find_subdomains(largest: np.ndarray, close: float) -> list[tuple[int, int]] | None:
+    """Find the first tiles of subdomains that cover all with a residual above ``close``; None without, or too many."""
     inside = np.arange(1, TILES_OF_SUBDOMAIN - 1)
     from_middle = np.abs(inside - inside.mean())
-    active = largest > max(SHARE * largest.max(), CLOSE)
+    active = largest > max(SHARE * largest.max(), close)
     corners: list[tuple[int, int]] = []
     magnitude = np.where(active, largest, 0.0)
     while magnitude.any():

@@ -9,22 +9,12 @@ import numpy as np
 
 from bem_adhesion.adhesive.local_newton import FEWEST_POINTS, LocalNewton
 from bem_adhesion.adhesive.newton import MakeSolver
+from bem_adhesion.adhesive.options import MultigridOptions
 from bem_adhesion.operators import Load, Window
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Memory
 from contact_study.physics.process_zone import process_zone
-
-# Points per process zone of the coarsest grid that predicts, and fewest along an axis of a coarser grid.
-POINTS_FOR_PREDICTION, FEWEST_POINTS_OF_HALF = 1.25, 8
-COARSE_TOLERANCE, WALL_TOLERANCE = 3e-4, 1e-2  # at contact edges with a wall interpolation leaves a residual of 0.3
-CLOSEST_PREDICTION = 0.85  # smallest predicted gap over the equilibrium distance, unless it was smaller
-# Distance of a prediction from the load over the law's peak, times the fourth power of points per zone; its least.
-LAG, LEAST_LAG = 0.05, 1e-4
-# Largest relative change of a gap along the tangent; steps, and coarse points per zone from which more than one.
-TANGENT_LIMIT, TANGENT_STEPS, POINTS_FOR_STEPS = 0.1, 3, 32
-# Points per process zone of the coarsest grid that searches for negative curvature, and factor on its softening.
-POINTS_FOR_CURVATURE, CURVATURE_MARGIN = 4, 1.05
 
 
 class MultigridSolver:
@@ -32,6 +22,7 @@ class MultigridSolver:
 
     def __init__(self, grid: Grid, make: MakeSolver, window: Window | None = None, memory: Memory | None = None):
         self.finest = make(grid, window, memory)
+        self.options = MultigridOptions.of(self.finest.law)
         idle = self.finest.idle
         # A subdomain is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.
         solid = self.finest.solid
@@ -42,8 +33,8 @@ class MultigridSolver:
         self.coarser: MultigridSolver | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
-        resolved = self.points_per_process_zone >= 2 * POINTS_FOR_PREDICTION
-        if even and min(half.shape) >= FEWEST_POINTS_OF_HALF and resolved:
+        resolved = self.points_per_process_zone >= 2 * self.options.points_for_prediction
+        if even and min(half.shape) >= self.options.fewest_points and resolved:
             own = window and tuple(slice((axis.stop + 1) // 2) for axis in window)
             self.coarser = MultigridSolver(half, make, own, Memory(idle))
 
@@ -65,9 +56,9 @@ class MultigridSolver:
     def leave_saddle(self, gap: np.ndarray, load: Load) -> np.ndarray | None:
         """Return a gap of lower energy next to an equilibrium that :attr:`finest` evaluated last; None at a minimum."""
         curvature, level = self.finest.curvature, self
-        while level.coarser and level.coarser.points_per_process_zone >= POINTS_FOR_CURVATURE:
+        while level.coarser and level.coarser.points_per_process_zone >= self.options.points_for_curvature:
             curvature, level = np.ascontiguousarray(curvature[::2, ::2]), level.coarser
-        if level is not self and not level.finest.find_negative_curvature(curvature, CURVATURE_MARGIN):
+        if level is not self and not level.finest.find_negative_curvature(curvature, self.options.curvature_margin):
             return None
         unstable = self.finest.find_negative_curvature(self.finest.curvature)
         return self.finest.leave_saddle(gap, load) if unstable else None
@@ -95,28 +86,27 @@ class MultigridSolver:
         self, coarser: "MultigridSolver", gap: np.ndarray, load: Load, max_iterations: int, first_contact: bool
     ) -> np.ndarray:
         """Predict the solution from a gap that was pressed last; return the gap where the prediction fails."""
-        finest, law = self.finest, self.finest.law
+        finest, law, options = self.finest, self.finest.law, self.options
         change_of_load = finest.local.imbalance(finest.solid.field, gap, load.pressure)
         # Surfaces that come together jump in at any load.
-        lag = max(LAG / coarser.points_per_process_zone**4, LEAST_LAG) * law.peak_tensile_stress
+        lag = max(options.lag / coarser.points_per_process_zone**4, options.least_lag) * law.peak_tensile_stress
         lag = 0.0 if first_contact else lag
         if abs(change_of_load) <= lag:
             return gap
         behind = float(np.copysign(lag, change_of_load))
         start = np.ascontiguousarray(gap[::2, ::2])
         coarse_load = coarser.finest.load_for(finest.solid.field[::2, ::2], start, load.pressure)
-        tolerance = WALL_TOLERANCE if law.has_wall else COARSE_TOLERANCE
         lagging = replace(coarse_load, pressure=coarse_load.pressure - behind)
-        result = coarser._descend(start, lagging, tolerance, max_iterations, first_contact, start)
+        result = coarser._descend(start, lagging, options.coarse_tolerance, max_iterations, first_contact, start)
         if result.outcome is not Outcome.CONVERGED:
             return gap
         reached = result.gap
         if lag:
-            steps = TANGENT_STEPS if coarser.points_per_process_zone >= POINTS_FOR_STEPS else 1
-            reached = coarser.finest.follow_tangent(reached, coarse_load, TANGENT_LIMIT, steps, reached)
+            steps = options.tangent_steps if coarser.points_per_process_zone >= options.points_for_steps else 1
+            reached = coarser.finest.follow_tangent(reached, coarse_load, options.tangent_limit, steps, reached)
         coarser.finest.single.field[...] = reached - gap[::2, ::2]
         predicted, inside = gap + finest.single.interpolate(coarser.finest.single), finest.inside
-        closest = CLOSEST_PREDICTION * law.equilibrium_distance
+        closest = options.closest_prediction * law.equilibrium_distance
         # No gap falls below the smaller of itself and the closest.
         np.maximum(predicted[inside], np.minimum(gap[inside], closest), out=predicted[inside])
         if law.has_wall:

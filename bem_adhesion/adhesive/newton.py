@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from bem_adhesion.adhesive.options import NewtonOptions
 from bem_adhesion.kernels.local_energy import EnergyAndGradient, LocalEnergy
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact, preconditioner_for
 from bem_adhesion.operators import Load, MakeOperator, Window
@@ -18,31 +19,11 @@ from contact_study.numerics.balance import ROUNDING, Excess, excess
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product
 from contact_study.numerics.memory import Memory
-from contact_study.numerics.multigrid import SHORT_WAVES
 from contact_study.physics.laws import TractionLaw
 
 # Upper bound of the rounding of K times a change in float32, as a fraction of the largest change times the largest K;
 # K d is formed again where the rounding since the last time may exceed this share of the residual.
 CHANGE_ROUNDING, SHARE_OF_RESIDUAL = 3e-7, 0.1
-# Residuals below are in units of the contact modulus, lengths in units of the law's length; see research/notes.
-# Reduction of the residual in a linear solve and ω of its preconditioner, without a wall, and outside one, where the
-# held points change after every step; reduction with damped negative curvature, and in a tangent step; iterations.
-REDUCTION, WALL_REDUCTION, WALL_SHORT_WAVES = 0.1, 0.2, 2.5
-DAMPED_REDUCTION, TANGENT_REDUCTION, LINEAR_ITERATIONS = 0.3, 0.1, 60
-# Below the residual CLOSE a linear solve reduces further, but not beyond this share of the tolerance.
-CLOSE, CLOSE_REDUCTION, BEYOND_TOLERANCE = 1e-3, 0.03, 0.5
-STEP_LIMIT = 0.4  # largest relative change of an attracted gap in one step
-# Damping of negative curvature: first value, factor after a failure, factor after a success.
-DAMPING_START, DAMPING_GROWTH, DAMPING_DECAY = 0.1, 3.0, 0.6
-FIRST_CONTACT_RESIDUAL = 0.2  # above which first contact has no negative curvature, to end as a slow gradient flow
-# Residual below which a state is left along negative curvature, length of the step, and most of them in a row.
-SADDLE_RESIDUAL, SADDLE_STEP, SADDLE_STEPS = 0.2, 0.1, 50
-CURVATURE_ITERATIONS = 8  # of conjugate gradients that search for negative curvature at an equilibrium
-SUBDOMAIN_RESIDUAL = 5e-3  # above which subdomains are relaxed separately
-BACKTRACKING, SHORTEST_STEP = 0.4, 1e-4  # line search: factor, and share of a step at which it fails
-LONGEST_FALL = 100  # step of separated surfaces over the largest gap, beyond which only rounding holds them
-ENERGY_ROUNDING = 1e-9  # relative difference of equal energies; the residual then decides
-SHARE_OF_TOLERANCE = 0.01  # rounding of the residual above which it is evaluated again at the end
 
 
 class NewtonSolver:
@@ -70,8 +51,8 @@ class NewtonSolver:
         self.curvature, self._right_side = (memory.array(grid.shape, np.float32) for _ in range(2))
         self.corrector: Any = None  # a LocalNewton, which is made of solvers as this one
         self._rounded, self._stalls, self._saddle_steps = 0.0, False, 0  # saddle steps in a row
-        self._reduction, short_waves = (WALL_REDUCTION, WALL_SHORT_WAVES) if law.has_wall else (REDUCTION, SHORT_WAVES)
-        inverse = preconditioner_for(self.single, make, shift, short_waves)
+        self.options = NewtonOptions.of(law)
+        inverse = preconditioner_for(self.single, make, shift, self.options.short_waves)
         self._linearised = LinearisedContact(self.single, shift, inverse, memory)
         self.idle = self._linearised.idle
 
@@ -159,7 +140,7 @@ class NewtonSolver:
         state = self._evaluate_from(known, gap, load)
         trial = np.empty_like(gap) if known is None or known is gap else known
         damping, iteration, stepped = 0.0, 0, True
-        least = np.inf if self.corrector is None or self.local.springs else SUBDOMAIN_RESIDUAL
+        least = np.inf if self.corrector is None or self.local.springs else self.options.subdomain_residual
         self._saddle_steps = 0
 
         def excess_of(state: EnergyAndGradient) -> Excess:
@@ -168,7 +149,7 @@ class NewtonSolver:
         outcome = None
         while outcome is None:
             excess = excess_of(state)
-            if excess.balanced and self._rounded * excess.residual > SHARE_OF_TOLERANCE * state.largest:
+            if excess.balanced and self._rounded * excess.residual > self.options.share_of_tolerance * state.largest:
                 state = self.evaluate(gap, load)
                 excess = excess_of(state)
             self.solid.mark("iteration", state.largest)
@@ -193,9 +174,9 @@ class NewtonSolver:
             else:
                 stepped = True
                 iteration += 1
-                removed = first_contact and state.largest > FIRST_CONTACT_RESIDUAL
+                removed = first_contact and state.largest > self.options.first_contact_residual
                 # While points jump in, the mean pressure may wait.
-                light = excess.load > excess.residual and state.largest < CLOSE
+                light = excess.load > excess.residual and state.largest < self.options.close
                 taken = self._newton_step(state, 1.0 if removed else damping, excess, light)
                 if taken is None:
                     outcome = Outcome.STALLED
@@ -219,14 +200,15 @@ class NewtonSolver:
         self, state: EnergyAndGradient, damping: float, excess: Excess, light: bool
     ) -> tuple[float, bool] | None:
         """Compute a step, of a light load its mean, too; return its damping, whether it was raised, None if stalled."""
-        raised = False
+        options, raised = self.options, False
         while True:
-            reduction = DAMPED_REDUCTION if damping else self._reduction
-            if damping == 0 and state.largest <= CLOSE:
-                reduction = min(max(BEYOND_TOLERANCE / max(excess), CLOSE_REDUCTION), DAMPED_REDUCTION)
+            reduction = options.damped_reduction if damping else options.reduction
+            if damping == 0 and state.largest <= options.close:
+                reduction = max(options.beyond_tolerance / max(excess), options.close_reduction)
+                reduction = min(reduction, options.damped_reduction)
             total = reduction * abs(state.total) if light else np.inf
             result = self._linearised.solve(
-                self._right_side, self.curvature, 1 - damping, reduction, LINEAR_ITERATIONS, total
+                self._right_side, self.curvature, 1 - damping, reduction, options.linear_iterations, total
             )
             self.local.hold(self.curvature, self._linearised.solution)
             self.local.hold(self.curvature, self._linearised.direction)
@@ -240,10 +222,10 @@ class NewtonSolver:
                 if result.iterations == 1:
                     self._linearised.solution[...] = self._along_direction(self.law.length)
                 return damping, raised
-            near_saddle = state.largest < SADDLE_RESIDUAL and self._saddle_steps < SADDLE_STEPS
+            near_saddle = state.largest < options.saddle_residual and self._saddle_steps < options.saddle_steps
             if damping == 0 and not raised and near_saddle:
                 self._saddle_steps += 1
-                self._linearised.solution += self._along_direction(SADDLE_STEP * self.law.length)
+                self._linearised.solution += self._along_direction(options.saddle_step * self.law.length)
                 return damping, raised
             damping = self._more_damping(damping)
             raised = True
@@ -254,15 +236,15 @@ class NewtonSolver:
             return self._more_damping(damping)
         if raised:
             return damping
-        return damping * DAMPING_DECAY if damping > 0.9 * DAMPING_START else 0.0
+        return damping * self.options.damping_decay if damping > 0.9 * self.options.damping_start else 0.0
 
     def _more_damping(self, damping: float) -> float:
-        return min(1.0, max(DAMPING_GROWTH * damping, DAMPING_START))
+        return min(1.0, max(self.options.damping_growth * damping, self.options.damping_start))
 
     def _shorten_fall(self, gap: np.ndarray, missing: float, light: bool) -> None:
         """Shorten a long step of separated surfaces until a point touches or carries the whole missing pressure."""
         step, gap = self._linearised.solution, gap[self.inside]
-        if not light and max(step.max(), -step.min()) <= LONGEST_FALL * gap.max():
+        if not light and max(step.max(), -step.min()) <= self.options.longest_fall * gap.max():
             return
         step = step[self.inside]
         closest, lowest = float(gap.min()), float(self.law.repulsive_gap(np.array(-missing)))
@@ -270,7 +252,7 @@ class NewtonSolver:
             return
         least = float(np.finfo(np.float32).tiny)
         room = float(np.min((gap - lowest) / np.maximum(-step, least)))
-        limit = STEP_LIMIT * (closest + self.local.margin) / max(float(np.abs(step).max()), least)
+        limit = self.options.step_limit * (closest + self.local.margin) / max(float(np.abs(step).max()), least)
         # A wall stops a point that would pass it by a rounding.
         self._linearised.solution *= np.float32(min(1.0, limit, (1 + 1e-6) * room))
 
@@ -285,15 +267,15 @@ class NewtonSolver:
     ) -> tuple[EnergyAndGradient | None, float]:
         """Shorten the step until the energy falls, writing the new gap into ``trial``; None if it never falls."""
         step, fraction = self._linearised.solution, 1.0
-        while fraction > SHORTEST_STEP:
-            self.local.advance(gap, step, STEP_LIMIT, trial)
+        while fraction > self.options.shortest_step:
+            self.local.advance(gap, step, self.options.step_limit, trial)
             new = self._evaluate_change(gap, trial, load)
-            equal = new.energy <= state.energy + ENERGY_ROUNDING * abs(state.energy)
+            equal = new.energy <= state.energy + self.options.energy_rounding * abs(state.energy)
             if new.energy <= state.energy or (equal and new.square < state.square):
                 return self._unless_rounded(new, trial, load), fraction
             self.solid.field -= self.single.field  # as before the change
-            step *= np.float32(BACKTRACKING)
-            fraction *= BACKTRACKING
+            step *= np.float32(self.options.backtracking)
+            fraction *= self.options.backtracking
         return None, fraction
 
     def find_negative_curvature(self, curvature: np.ndarray, softening: float = 1.0) -> bool:
@@ -306,7 +288,7 @@ class NewtonSolver:
             return False
         # At unit size: squares of a very small tail underflow in single precision.
         self._right_side /= largest
-        found = self._linearised.solve(self._right_side, curvature, softening, 0.0, CURVATURE_ITERATIONS)
+        found = self._linearised.solve(self._right_side, curvature, softening, 0.0, self.options.curvature_iterations)
         return found.negative_curvature
 
     def leave_saddle(self, gap: np.ndarray, load: Load) -> np.ndarray | None:
@@ -315,13 +297,13 @@ class NewtonSolver:
         self.local.hold(self.curvature, direction)
         direction /= np.abs(direction).max()
         beside = np.empty_like(gap)
-        length = SADDLE_STEP * self.law.length
-        while length > SHORTEST_STEP * self.law.length:
+        length = self.options.saddle_step * self.law.length
+        while length > self.options.shortest_step * self.law.length:
             for step in (length, -length):
-                self.local.advance(gap, np.float32(step) * direction, STEP_LIMIT, beside)
+                self.local.advance(gap, np.float32(step) * direction, self.options.step_limit, beside)
                 if self.evaluate(beside, load).energy < energy:
                     return beside
-            length *= BACKTRACKING
+            length *= self.options.backtracking
         return None
 
     def mean_stiffness(self, gap: np.ndarray) -> float:
@@ -336,14 +318,16 @@ class NewtonSolver:
         start, inside = gap, self.inside
         for _ in range(steps):
             self._evaluate_from(known, gap, load)
-            result = self._linearised.solve(self._right_side, self.curvature, 1.0, TANGENT_REDUCTION, LINEAR_ITERATIONS)
+            result = self._linearised.solve(
+                self._right_side, self.curvature, 1.0, self.options.tangent_reduction, self.options.linear_iterations
+            )
             step = self._linearised.solution
             self.local.hold(self.curvature, step)
             change = np.abs((gap - start + step)[inside] / (start[inside] + self.local.margin))
             if result.negative_curvature or change.max() > limit:
                 break
             moved = np.empty_like(gap)
-            self.local.advance(gap, step, STEP_LIMIT, moved)
+            self.local.advance(gap, step, self.options.step_limit, moved)
             known, gap = gap, moved
         return gap
 

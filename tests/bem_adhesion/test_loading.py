@@ -8,7 +8,8 @@ from scipy.fft import irfft2, rfft2
 from bem_adhesion.adhesive.contact import AdhesiveContact, reach
 from bem_adhesion.adhesive.local_newton import MOST, LocalNewton, _largest_of_tiles, find_subdomains
 from bem_adhesion.adhesive.multigrid import MultigridSolver
-from bem_adhesion.adhesive.newton import CLOSE, NewtonSolver
+from bem_adhesion.adhesive.newton import NewtonSolver
+from bem_adhesion.adhesive.options import NewtonOptions
 from bem_adhesion.contacts.rough_contact import contact_between
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact, preconditioner_for
 from bem_adhesion.operators import Load, Work, periodic
@@ -19,6 +20,8 @@ from contact_study.physics.laws import Exponential, HardWall
 from contact_study.physics.process_zone import process_zone
 from contact_study.physics.solids import HalfSpace, Tabulated
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, relative_contact_area, self_affine, stepped, surface
+
+CLOSE = NewtonOptions().close
 
 
 def contact_of(the_law, points=64, control="pressure", size=SIZE, **options):
@@ -390,18 +393,18 @@ def test_squares_cover_what_is_out_of_balance_and_are_few():
     tiles = np.zeros((32, 32))
     tiles[3, 3], tiles[3, 5], tiles[0, 31], tiles[20, 20] = 1.0, 0.5, 0.9, 0.3
     tiles[10, 10] = 0.1  # less than a fifth of the worst
-    corners = find_subdomains(tiles)
+    corners = find_subdomains(tiles, CLOSE)
     assert len(corners) == 3
     for row, column in [(3, 3), (3, 5), (0, 31), (20, 20)]:
         assert any(1 <= (row - r) % 32 <= 6 and 1 <= (column - c) % 32 <= 6 for r, c in corners)
     assert (20 - corners[2][0]) % 32 in (3, 4)  # alone it is in the middle
     pair = np.zeros((32, 32))
     pair[10, 10], pair[10, 15], pair[5, 10] = 1.0, 0.5, 0.5
-    assert find_subdomains(pair) == [(4, 9)]  # the one that has all three within its rim
+    assert find_subdomains(pair, CLOSE) == [(4, 9)]  # the one that has all three within its rim
     many = np.zeros((32, 32))
     many[:: 32 // MOST, ::8] = 1.0
-    assert find_subdomains(many) is None
-    assert find_subdomains(0.5 * CLOSE * tiles) is None
+    assert find_subdomains(many, CLOSE) is None
+    assert find_subdomains(0.5 * CLOSE * tiles, CLOSE) is None
 
 
 def test_tiles_of_a_grid_that_they_do_not_divide():
