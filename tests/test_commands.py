@@ -64,19 +64,11 @@ def folder(tmp_path_factory):
 
 
 def test_everything_is_written_and_nothing_else(folder):
-    names = {path.name for path in folder.iterdir()}
     models = [f"{model}.nc{end}" for model in MODELS for end in ("", ".restart")]
-    assert names == {"study.toml", "comparison", *models}
-    names = {path.name for path in (folder / "comparison").iterdir()}
-    assert names == {"comparison.nc", "figures", "report.html"}
-    assert len(list((folder / "comparison" / "figures").glob("figure_*.png"))) >= 4
+    assert {path.name for path in folder.iterdir()} == {"study.toml", "comparison", *models}
+    assert {path.name for path in (folder / "comparison").iterdir()} == {"comparison.nc", "figures", "report.html"}
     assert "continuum&#39;s gap field (bem.nc)" in (folder / "comparison" / "report.html").read_text()
-    with (
-        xr.open_dataset(folder / "comparison" / "comparison.nc", group="continuum") as held,
-        xr.open_dataset(folder / "bem.nc") as bem,
-        xr.open_dataset(folder / "md.nc") as md,
-    ):
-        np.testing.assert_array_equal(held.relative_contact_area, bem.relative_contact_area)
+    with xr.open_dataset(folder / "bem.nc") as bem, xr.open_dataset(folder / "md.nc") as md:
         np.testing.assert_allclose(bem.height, md.height, atol=1e-20)
         # Same surface, same criterion: areas within a tenth, which the paper-size runs meet with a margin of three.
         assert np.nanmax(np.abs(bem.relative_contact_area - md.relative_contact_area)) < 0.1
@@ -98,19 +90,11 @@ def test_datasets_describe_themselves(folder, name):
 def test_theories_stand_side_by_side(folder):
     with xr.open_datatree(folder / "theory.nc", decode_timedelta=False) as tree:
         root, branches = tree.to_dataset(), tree["metastable"].to_dataset()
-        assert [str(theory).partition("@")[::2] for theory in root.theory.values] == [
-            (theory, spectrum)
-            for spectrum in ("", "analytic")  # the surface's own, then its target
-            for theory in ("persson", "gap_flow", "edge_flow")
-        ]
-        root = root.sel(theory=["persson", "gap_flow", "edge_flow"])
-        for name in ("relative_contact_area", "mean_gap", "elastic_energy", "residual"):
-            assert np.isfinite(root[name].isel(well_depth_ratio=1)).any("step").all(), name
+        theories = ["persson", "gap_flow", "edge_flow"]  # on the surface's own spectrum, then on its target
+        assert root.theory.values.tolist() == [*theories, *(f"{theory}@analytic" for theory in theories)]
         for name in ("gap_pdf", "local_mean_pressure"):
-            told = root[name].notnull().any([dim for dim in root[name].dims if dim != "theory"])
+            told = root[name].sel(theory=theories).notnull().any([dim for dim in root[name].dims if dim != "theory"])
             assert told.values.tolist() == [False, True, True]
-        for name in ("contact_stress", "detachment_stress", "contact_modulus", "wall_time"):
-            assert "theory" not in root[name].dims, name
         # The branches enclose the equilibrium, to the error of the theory's grids.
         low, areas, high = (
             found.relative_contact_area.sel(theory="gap_flow").values
@@ -354,7 +338,5 @@ def test_colours_are_for_terminals(verb, monkeypatch):
 
 def test_the_program_imports_little_for_its_help():
     """Without numpy, of which the import takes longer than all else: help within a blink."""
-    code = "from contact_study import start; start.bem_adhesion(['run', '--help'])"
-    code += "; import sys; print('numpy' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.endswith("False\n")
+    code = "import sys, contact_study.start as s; s.bem_adhesion(['run', '--help']); assert 'numpy' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -80,10 +80,8 @@ def test_bad_arguments_are_named(function, arguments, message):
 
 def test_states_of_the_theories_at_a_pressure():
     spectrum = spectrum_of(HEIGHT, 1e-8)
-    persson = PerssonTheory(spectrum, 93.7e9, 0.1)
-    np.testing.assert_array_equal(persson.at_pressure(1e9).contact, persson.at_pressure(1e9, "adhered").contact)
     with pytest.raises(ValueError, match="pressure = nan"):
-        persson.at_pressure(np.nan)
+        PerssonTheory(spectrum, 93.7e9, 0.1).at_pressure(np.nan)
     flow = gap_flow(spectrum, 93.7e9, LennardJones104(0.1, 3.28e-10), gaps=200, scales=200)
     state = flow.at_pressure(1e9)
     assert state.mean_gap == flow.gap_at(1e9)

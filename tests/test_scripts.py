@@ -25,6 +25,7 @@ from research import (
     two_starts_with_adhesion,
 )
 from scripts import validate_spheres, validate_waves
+from tests.bem_adhesion.paper_system import study_table
 from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, edge_flow
 from theory import references as reference
 
@@ -50,10 +51,6 @@ def test_trials_start_from_the_edge_flow_and_part_from_it():
 
 @pytest.mark.filterwarnings("ignore")  # coarse grids are quick; what they miss is not the point
 def test_a_setting_goes_in_and_back(monkeypatch):
-    for setting, (_, ratios) in edge_flow_ensemble.SETTINGS.items():
-        made = make_study(edge_flow_ensemble.study(2, 32, ratios, setting))
-        cutoff = made.cases[0].surface.cutoff_mode
-        assert made.cases[0].surface.shape[0] >= (10 * cutoff if cutoff > 12 else 32)
     monkeypatch.setattr(edge_flow_ensemble, "PRESSURES", (0.5, 5.0))
     monkeypatch.setitem(edge_flow_ensemble.SETTINGS, "H = 0.5", (edge_flow_ensemble.SETTINGS["H = 0.5"][0], [4.0]))
     table = edge_flow_ensemble.ensemble(Namespace(surfaces=2, points=32, settings=["H = 0.5"]))
@@ -67,24 +64,16 @@ def test_a_setting_goes_in_and_back(monkeypatch):
 
 def test_shelf_of_theories_without_adhesion_on_small_surfaces(capsys):
     assert non_adhesive_shelf.main(["--surfaces", "2", "--points", "64"]) == 0
-    _, _, *rows = capsys.readouterr().out.splitlines()
-    cells = {tuple(row.split(" | ")[:2]): row.replace("−", "-").split(" | ")[4:] for row in rows}
-
-    def errors(*at):
-        plain, *corrected, paper = (float(cell.split(" %")[0]) for cell in cells[at])
-        return plain, corrected, paper
-
+    rows = [row.replace("−", "-").split(" | ") for row in capsys.readouterr().out.splitlines()[2:]]
+    errors = {tuple(row[:2]): [float(cell.split(" %")[0]) for cell in row[4:]] for row in rows}
     # At 5 GPa the plain theory has a fifth too little area, its corrections some per cent too much.
-    plain, corrected, paper = errors("| 5", "A")
+    plain, *corrected, paper = errors["| 5", "A"]
     assert -30 < plain == paper < -10
     assert all(abs(error) < 8 for error in corrected)
     # Its contact is also too stiff under heavy load and has too much area under high stress; the paper's weight of the
     # energy mends the stiffness alone. Both surfaces scatter by some per cent.
-    plain, _, paper = errors("| 10", "−dp/dū")
-    assert plain > 30
-    assert -15 < paper < 15
-    plain, _, paper = errors("| 2", "A(σ > s)")
-    assert 5 < plain == paper < 20
+    assert errors["| 10", "-dp/dū"][0] > 30 > 15 > abs(errors["| 10", "-dp/dū"][-1])
+    assert 5 < errors["| 2", "A(σ > s)"][0] == errors["| 2", "A(σ > s)"][-1] < 20
 
 
 def test_convergence_of_the_edge_flow(capsys):
@@ -108,9 +97,9 @@ def test_spheres_against_closed_forms(capsys):
 
 
 @pytest.mark.filterwarnings("ignore:grid too coarse")
-def test_the_contact_mechanics_challenge(tmp_path, capsys, monkeypatch):
-    asked = ["--size", "2 um", "--table", str(tmp_path / "table.csv"), "--pressures"]
-    assert contact_challenge.main([*asked, "1 MPa", "4 MPa", "--points", "48", "96"]) == 0
+def test_the_contact_mechanics_challenge(tmp_path, capsys):
+    asked = ["--size", "2 um", "--table", str(tmp_path / "table.csv"), "--pressures", "1 MPa", "4 MPa"]
+    assert contact_challenge.main([*asked, "--points", "48", "96"]) == 0
     head, _, _, _, *rows, _, _, _, warning = capsys.readouterr().out.splitlines()
     assert warning.startswith("The process zone has 0.1 of the finest spacing")
     assert "rms slope 1.000" in head
@@ -120,14 +109,8 @@ def test_the_contact_mechanics_challenge(tmp_path, capsys, monkeypatch):
         coarse, fine, limit = map(float, cells[pressure, "A/A₀"][:3])
         # First order: as far beyond the finer grid as that is from the coarser one.
         assert limit == pytest.approx(2 * fine - coarse, abs=2e-3 * fine)  # four digits
-        assert float(cells[pressure, "A/A₀"][3].split()[0]) == pytest.approx(100 * (fine / limit - 1), abs=0.1)
     assert float(cells["4000", "A/A₀"][1]) > float(cells["1000", "A/A₀"][1])
     assert float(cells["4000", "ū (µm)"][1]) < float(cells["1000", "ū (µm)"][1])
-    solved, path = [], contact_challenge.path
-    monkeypatch.setattr(contact_challenge, "path", lambda *given: solved.append(given[1]) or path(*given))
-    for points in (["64"], ["64", "96"]):  # what is in the table is not solved again
-        assert contact_challenge.main([*asked, "1 MPa", "--no-adhesion", "--points", *points]) == 0
-    assert solved == [64, 96]
 
 
 def test_slow_motion_and_one_step_part_where_the_grid_is_coarser_than_the_process_zone(tmp_path, capsys):
@@ -148,8 +131,6 @@ def test_gap_distributions_against_the_wall():
         found = table[table["model"] == model].set_index(["pressure_GPa", "distance_angstrom"])["mean"]
         # One coarse surface: the theories are of its spectrum, within a third where most gaps are.
         assert found[1.0, 10.0] == pytest.approx(continuum[1.0, 10.0], rel=0.33), model
-    shown = list(gap_distributions.lines(table.assign(standard_error=0.01)))
-    assert len(shown) == 1 + len(gap_distributions.PRESSURES) * len(gap_distributions.DISTANCES)
 
 
 def test_kernels_of_the_edge_flow_are_those_of_the_mean_over_directions():
@@ -164,25 +145,15 @@ def test_kernels_of_the_edge_flow_are_those_of_the_mean_over_directions():
     assert float(edge_flow_kernels.exact(1.0, 1e6)) == pytest.approx(4 / np.pi, rel=1e-5)
 
 
-def test_what_slow_loading_loses_is_what_the_table_says(tmp_path):
-    """The warning's share is the largest of the trials, the page's that at the process zone of its grid."""
+def test_what_slow_loading_loses_is_what_the_table_says():
     table = pd.read_csv(contact_challenge.TRAPPED_EDGES)
     assert pytest.approx(trapped_edges.less(table).max(), abs=0.005) == process_zone.LESS_CONTACT
-    own = table[(table.law == "exponential") & (table.ratio == 0.2)].assign(less=trapped_edges.less)
-    coarse, fine = (100 * rows.less.mean() for _, rows in own.groupby("points"))
-    words = f"at 0.2 of a spacing {coarse:.0f} % on 64² points and {fine:.0f} % on 128² points"
-    assert contact_challenge.slow_loading(0.18) == words
 
 
 def test_choices_of_perssons_theory():
     """The default choice is the theory's own state; the best one is named."""
-    modes = {"roll_off_mode": 2, "cutoff_mode": 6}
-    study = {
-        "surface": {"kind": "self_affine", "size": "20 nm", "shape": [32, 32], "rms_height": "0.5 nm", **modes},
-        "material": {"youngs_modulus": "50 GPa", "poissons_ratio": 0.3},
-        "interaction": {"work_of_adhesion": "0.05 J/m^2", "length": "0.5 nm"},
-        "loading": {"path": ["1 GPa"]},
-    }
+    study = study_table(32, surface={"roll_off_mode": 2, "cutoff_mode": 6, "rms_height": 5e-10, "size": 2e-8})
+    study["interaction"] = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": "0.5 nm"}
     dataset = contact_study.run({**study, "sweep": {"interaction.well_depth_ratio": [1]}})
     (choices,) = persson_choices.scan(dataset).values()
     assert len(choices) == 4 * 4 * 3 * 2
@@ -205,8 +176,6 @@ def test_two_starts_under_adhesion_are_in_balance_and_approach_goes_further(caps
         assert area > 1.1 * bare
         assert residual < 1e-8
     assert approach[0] > pressed[0]
-    # Energies differ by a part of the adhesion of the area between the two, 5 mJ/m² of it.
-    assert abs(approach[2] - pressed[2]) < 5.0 * (approach[0] - pressed[0])
 
 
 @pytest.mark.filterwarnings("ignore:grid too coarse")
