@@ -79,56 +79,27 @@ def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_r
     return ndtr(-(gap - attraction_range) / rms_height) - ndtr(-gap / rms_height)
 
 
-def bearing_area_pressure(
-    mean_gap: np.ndarray | float,
-    spectrum: RoughnessSpectrum,
-    elasticity: Elasticity | float,
-    work_of_adhesion: float,
-    attraction_range: float,
-) -> np.ndarray:
-    """p(ū) of the bearing-area model (Pa): Persson's repulsion of light contact minus σ_max on the attracted area.
+def bearing_area(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+) -> tuple[float, float]:
+    """Δγ over the least one at which the bearing-area model pulls at some gap, and its lowest pressure (Pa) or zero.
 
-    The bearing-area model of M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6, with another repulsion:
-    the light-load limit p₀ e^(−ū/u₀) of :func:`theory.non_adhesive.closed_forms.low_pressure_asymptote`. Experimental:
+    M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6: p(ū) is the repulsion of light contact minus σ_max
+    on the attracted area. The repulsion here is another, p₀ e^(−ū/u₀) of :func:`low_pressure_asymptote`. Experimental:
     not compared with the paper's numbers. For hard solids, small Tabor parameters and gaps above half the rms height.
     """
-    return _bearing_area_curve(spectrum, elasticity, work_of_adhesion, attraction_range)(np.asarray(mean_gap, float))
-
-
-def bearing_area_pull_off(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
-) -> float:
-    """Lowest pressure of the bearing-area model (Pa), zero where it never pulls; as :func:`bearing_area_pressure`."""
-    curve = _bearing_area_curve(spectrum, elasticity, work_of_adhesion, attraction_range)
-    return min(_lowest(curve, float(np.sqrt(spectrum.mean_square_height))), 0.0)
-
-
-def _bearing_area_curve(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
-) -> Callable[[np.ndarray], np.ndarray]:
-    """:func:`bearing_area_pressure` as a function of mean gaps, which share the asymptote."""
-    decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
-    height = float(np.sqrt(spectrum.mean_square_height))
-
-    def pressure(gap: np.ndarray) -> np.ndarray:
-        pull = work_of_adhesion / attraction_range * attracted_area(gap, height, attraction_range)
-        return prefactor * np.exp(-gap / decay) - pull
-
-    return pressure
-
-
-def bearing_area_ratio(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
-) -> float:
-    """Δγ over the least one at which the bearing-area model pulls at some gap; as :func:`bearing_area_pressure`."""
     decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
     height = float(np.sqrt(spectrum.mean_square_height))
     reach = positive("attraction_range", attraction_range, "m")
 
+    def pressure(gap: np.ndarray) -> np.ndarray:
+        return prefactor * np.exp(-gap / decay) - work_of_adhesion / reach * attracted_area(gap, height, reach)
+
     def balance(gap: np.ndarray) -> np.ndarray:  # logarithm of the work of adhesion that balances the repulsion
         return np.log(prefactor * reach) - gap / decay - np.log(attracted_area(gap, height, reach))
 
-    return float(work_of_adhesion / np.exp(_lowest(balance, height)))
+    ratio = float(work_of_adhesion / np.exp(_lowest(balance, height)))
+    return ratio, min(_lowest(pressure, height), 0.0)
 
 
 def _lowest(function: Callable[[np.ndarray], np.ndarray], height: float) -> float:
@@ -189,11 +160,8 @@ class StickinessCriteria:
 
     def quantities(self) -> dict[str, float]:
         """The numbers by their names in a dataset."""
-        ratios = ("persson_tosatti", "pastewka_robbins", "dmt_tension", "bearing_area")
-        return {f"{name}_ratio": getattr(self, name) for name in ratios} | {
-            "finest_tabor_number": self.tabor_number,
-            "bearing_area_pull_off": self.bearing_area_pull_off,
-        }
+        names = {"tabor_number": "finest_tabor_number", "bearing_area_pull_off": "bearing_area_pull_off"}
+        return {names.get(name, f"{name}_ratio"): value for name, value in vars(self).items()}
 
     def to_dataset(self) -> "xr.Dataset":
         """Give the numbers in the schema of ``theory.nc``, as for :func:`contact_study.plots.criteria_map`."""
@@ -230,11 +198,6 @@ def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law:
         raise ValueError(f"{law.title}: a law that does not attract has no criterion of sticking")
     work, reach = law.work_of_adhesion, law.work_of_adhesion / law.peak_tensile_stress
     arguments = spectrum, elasticity, work
-    return StickinessCriteria(
-        float(local_tabor_number(spectrum.limits[1], *arguments, range_of(law))),
-        persson_tosatti_ratio(*arguments),
-        pastewka_robbins_ratio(*arguments, reach),
-        dmt_tension_ratio(*arguments, reach),
-        bearing_area_ratio(*arguments, reach),
-        bearing_area_pull_off(*arguments, reach),
-    )
+    tabor = float(local_tabor_number(spectrum.limits[1], *arguments, range_of(law)))
+    ratios = pastewka_robbins_ratio(*arguments, reach), dmt_tension_ratio(*arguments, reach)
+    return StickinessCriteria(tabor, persson_tosatti_ratio(*arguments), *ratios, *bearing_area(*arguments, reach))

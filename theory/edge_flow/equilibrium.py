@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,8 +50,7 @@ class EdgeFlowOptions:
 _DEFAULT = EdgeFlowOptions()
 
 
-@dataclass(frozen=True)
-class Scales:
+class Scales(NamedTuple):
     """Steps of the roughness from fine to coarse, shape (k,) each, in units of a length and a modulus."""
 
     stiffness: np.ndarray  # K, the mean over the height variance, which makes the energy of full contact exact
@@ -75,13 +75,8 @@ def scales_of(
     stiffness = -2 * np.diff(spectrum.full_contact_energy(solid.stiffness, edges)) / variance
     every = solid.stiffness(bands)
     square = np.clip(square, bands[0] ** 2, bands[-1] ** 2)
-    stiffness = np.clip(stiffness, every.min(), every.max())
-    return Scales(
-        stiffness * length / solid.contact_modulus,
-        modulation_cost(solid, np.sqrt(square)),
-        square * length**2,
-        variance / length**2,
-    )
+    stiffness = np.clip(stiffness, every.min(), every.max()) * length / solid.contact_modulus
+    return Scales(stiffness, modulation_cost(solid, np.sqrt(square)), square * length**2, variance / length**2)
 
 
 def _shortened(
@@ -194,15 +189,13 @@ class Problem:
         """The state at a mean gap, from a first response."""
         x, scales, options = self.gaps, self.scales, self.options
         bounds = options.least, options.largest
-        start = np.zeros(x.size)
-        right = min(max(int(np.searchsorted(x, gap)), 1), x.size - 1)
+        start, right = np.zeros(x.size), min(max(int(np.searchsorted(x, gap)), 1), x.size - 1)
         share = (gap - x[right - 1]) / (x[right] - x[right - 1])
         start[right - 1], start[right] = 1 - share, share
         weights, gradients = np.empty((2, scales.steps.size + 1, x.size))
         answer, f, weight = (np.empty_like(response) for _ in range(3))
         factors = np.empty((scales.steps.size, 3, x.size))
-        steps = scales.stiffness, scales.modulation, scales.square, scales.steps
-        given = x, self._geometry, steps, self.kernel, self.traction, start, options.sharp_scales
+        given = x, self._geometry, tuple(scales), self.kernel, self.traction, start, options.sharp_scales
         elastic = 0.0
 
         def update(logarithm: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -214,14 +207,10 @@ class Problem:
             residual -= logarithm
             return residual, weight, change
 
+        first, limits = np.log(np.clip(response, *bounds)), (np.log(options.least), np.log(options.largest))
+        ends = self.tolerance, self.iterations
         logarithm, change, count = accelerated(
-            update,
-            np.log(np.clip(response, *bounds)),
-            (np.log(options.least), np.log(options.largest)),
-            self.tolerance,
-            self.iterations,
-            largest_step=options.step,
-            restarts=options.restarts,
+            update, first, limits, *ends, largest_step=options.step, restarts=options.restarts
         )
         found = np.exp(logarithm)
         bounded = float(bounded_area(self._geometry, scales.steps, options.sharp_scales, found, weights))
@@ -240,6 +229,9 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
     def passed(state: Equilibrium) -> bool:
         return bool(state.gap <= near and -(state.weights @ problem.traction) >= highest)
 
+    def solved(states: list[Equilibrium]) -> list[Equilibrium]:
+        return [state for state in states if state.change <= problem.tolerance]
+
     def keep(states: list[Equilibrium]) -> None:
         if len(states) >= options.fewest:
             pieces.append(tuple(states))
@@ -248,7 +240,7 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
     approached, ended = _follow(problem, problem.solve(float(x[first]), problem.local()), -1, passed, options.lost)
     if not (ended and thorough):
         return (tuple(approached),), 0
-    sound = _sound(problem, approached)
+    sound = solved(approached)
     keep(sound)
     lost = len(approached) - len(sound)
     last = sound[-1].gap if sound else float(x[first])
@@ -261,7 +253,7 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
         above = last
         farther, _ = _follow(problem, start, 1, lambda state: state.gap >= above, 1)  # noqa: B023
         nearer, ended = _follow(problem, start, -1, passed, options.lost)
-        both = [*reversed(_sound(problem, farther)[1:]), *_sound(problem, nearer)]
+        both = [*reversed(solved(farther)[1:]), *solved(nearer)]
         both = [state for state in both if state.gap < above]
         lost += ended * options.lost
         keep(both)
@@ -275,12 +267,8 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
         node = max(int(beyond[-1]) - 2, 1) if beyond.size else 1
         start = problem.solve(float(x[node]), problem.local())
         outward, _ = _follow(problem, start, 1, lambda state: state.gap >= last, 1)
-        keep([state for state in reversed(_sound(problem, outward)) if state.gap < last])
+        keep([state for state in reversed(solved(outward)) if state.gap < last])
     return (tuple(pieces), lost) if pieces else ((tuple(approached),), 0)
-
-
-def _sound(problem: Problem, states: list[Equilibrium]) -> list[Equilibrium]:
-    return [state for state in states if state.change <= problem.tolerance]
 
 
 def _follow(

@@ -141,18 +141,10 @@ class EdgeFlow(PressureCurve):
         # The spline's slope rests on the neighbours, a few of them on either side.
         rests_on = (found, *falling[max(after - 2, 0) : after + 2])
         pressure = self.pressure_at(gap * self.length)
-        return GapState(
-            ("edge_flow",),
-            self._nodes,
-            self.length,
-            self.contact_modulus,
-            mean_gap,
-            pressure,
-            found.elastic * self.contact_modulus * self.length,
-            found.weights,
-            bool(np.isfinite(pressure)) and all(self._solved(state) for state in rests_on),
-            found.change,
-        )
+        converged = bool(np.isfinite(pressure)) and all(self._solved(state) for state in rests_on)
+        of_curve = ("edge_flow",), self._nodes, self.length, self.contact_modulus
+        elastic = found.elastic * self.contact_modulus * self.length
+        return GapState(*of_curve, mean_gap, pressure, elastic, found.weights, converged, found.change)
 
     def _solved(self, found: Equilibrium) -> bool:
         return found.change <= self._problem.tolerance and found.bounded <= self._problem.options.bounded_area
@@ -238,10 +230,8 @@ def edge_flow(
     for count in (scales, options.more_scales * scales):
         steps = scales_of(spectrum, solid, length, count, options)
         problem = Problem(x, traction, steps, tolerance, iterations, kernel, options)
-        softening = reduced.strongest_softening / float(steps.stiffness[0])
-        limit = (
-            f"{share:.2g} of the energy of full contact, softening {softening:.2g} times the finest wave's stiffness"
-        )
+        softening = f"softening {reduced.strongest_softening / float(steps.stiffness[0]):.2g}"
+        limit = f"{share:.2g} of the energy of full contact, {softening} times the finest wave's stiffness"
         found = curve(problem, far, near, highest, count > scales)
         flow = EdgeFlow(reduced, length, modulus, *found, limit, problem, nodes)
         if flow.converged:

@@ -86,10 +86,6 @@ class GapFlow(PressureCurve):
         return self.unconverged_steps == 0
 
     @cached_property
-    def _nodes(self) -> GapNodes:
-        return GapNodes(self.law, self.gaps)
-
-    @cached_property
     def mean_gap(self) -> np.ndarray:
         """Mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n − 1,) (m)."""
         return 0.5 * (self.gaps[1:] + self.gaps[:-1]) * self.length
@@ -104,29 +100,18 @@ class GapFlow(PressureCurve):
         asked = positions(mean_gaps, self.gaps[0] * self.length, self.gaps[-1] * self.length)
         reduced = asked / self.length
         weights = np.zeros((self.gaps.size, reduced.size))
-        right = np.clip(np.searchsorted(self.gaps, reduced), 1, self.gaps.size - 1)
+        right, columns = np.clip(np.searchsorted(self.gaps, reduced), 1, self.gaps.size - 1), np.arange(reduced.size)
         share = (reduced - self.gaps[right - 1]) / (self.gaps[right] - self.gaps[right - 1])
-        columns = np.arange(reduced.size)
-        weights[right - 1, columns] = 1 - share
-        weights[right, columns] = share
+        weights[right - 1, columns], weights[right, columns] = 1 - share, share
         elastic = np.zeros(reduced.size)
         backward_sweep(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
-        shares = np.ascontiguousarray(weights.T)
-        return [
-            GapState(
-                tuple(self.name.split("/")),
-                self._nodes,
-                self.length,
-                self.contact_modulus,
-                float(gap),
-                self.pressure_at(float(gap)),
-                float(energy) * self.contact_modulus * self.length,
-                weight,
-                self.converged,
-                cumulative=below,
-            )
-            for gap, energy, weight, below in zip(asked, elastic, shares, cumulatives(self._nodes, shares), strict=True)
-        ]
+        shares, nodes = np.ascontiguousarray(weights.T), GapNodes(self.law, self.gaps)
+        of_curve = tuple(self.name.split("/")), nodes, self.length, self.contact_modulus
+        found = []
+        for gap, energy, weight, below in zip(asked, elastic, shares, cumulatives(nodes, shares), strict=True):
+            values = self.pressure_at(float(gap)), float(energy) * self.contact_modulus * self.length, weight
+            found.append(GapState(*of_curve, float(gap), *values, self.converged, cumulative=below))
+        return found
 
 
 def gap_flow(
@@ -178,15 +163,13 @@ def gap_flow(
         raise ValueError(f"branch = {branch!r}: expected one of {', '.join(BRANCHES)}")
     length = core_of(law)
     solid = elasticity_of(elasticity)
-    contact_modulus = solid.contact_modulus
-    reduced = law.scaled(length, contact_modulus)
+    reduced = law.scaled(length, solid.contact_modulus)
     x = gap_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
     stiffness, steps = _scales(spectrum, solid, length, scales, options)
     energy = np.array(reduced.potential(x), dtype=float)
-    compliances = np.empty((steps.size, x.size))
-    hull = np.empty((steps.size, x.size), dtype=np.int32)
-    lost = int(flow_through_scales(x, stiffness, steps, BRANCHES.index(branch), iterations, energy, compliances, hull))
-    return GapFlow(reduced, length, contact_modulus, branch, x, energy, lost, stiffness, steps, compliances, hull)
+    kept = np.empty((steps.size, x.size)), np.empty((steps.size, x.size), dtype=np.int32)
+    lost = int(flow_through_scales(x, stiffness, steps, BRANCHES.index(branch), iterations, energy, *kept))
+    return GapFlow(reduced, length, solid.contact_modulus, branch, x, energy, lost, stiffness, steps, *kept)
 
 
 def _scales(

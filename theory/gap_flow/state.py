@@ -1,5 +1,6 @@
 """Theories of the local gap share its nodes, its distribution with what is read off it, and p over the mean gap."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -49,25 +50,9 @@ class GapNodes:
         middle = 0.5 * (self.gaps[1:] + self.gaps[:-1]) if self.between is None else self.between
         return np.concatenate([self.gaps[:1], middle, self.gaps[-1:]])
 
-    def mean_stress(self, shares: np.ndarray) -> float:
-        """Mean of the distribution that :meth:`stress_masses` sorts into bins, in units of the modulus."""
-        return inner_product(shares, 0.5 * (self._stress[1:] + self._stress[:-1]))
-
-    def stress_masses(self, shares: np.ndarray, bins: np.ndarray) -> np.ndarray:
-        """Area in each bin of the stress σ = −φ'(u), shape (m,) for m + 1 rising ends in units of the modulus."""
-        masses = np.zeros(bins.size - 1)
-        _spread(self._stress, shares, bins, masses)
-        return masses
-
-    def shares(self, cubics: np.ndarray) -> np.ndarray:
-        """Area in each piece of the intervals, from the area below a gap in cubics of the distance in an interval."""
-        ends = np.arange(_PIECES + 1) / _PIECES
-        powers = np.diff(ends ** np.array([[3], [2], [1]]))
-        return ((cubics[:3] * np.diff(self.edges) ** np.array([[3], [2], [1]])).T @ powers).ravel()
-
     @cached_property
-    def _stress(self) -> np.ndarray:
-        """σ at the ends of all pieces."""
+    def stress(self) -> np.ndarray:
+        """σ = −φ'(u) at the ends of all pieces of the intervals."""
         count = self.gaps.size
         return -self.law.traction(np.interp(np.arange(_PIECES * count + 1) / _PIECES, np.arange(count + 1), self.edges))
 
@@ -154,7 +139,8 @@ class GapState:
     @property
     def stress_balance(self) -> float:
         """∫σP(σ) dσ / p: 1 but for the resolution and, in the edge flow, the trial field; NaN at p = 0."""
-        mean = self.nodes.mean_stress(self._shares) * self.contact_modulus
+        ends = self.nodes.stress
+        mean = inner_product(self._shares, 0.5 * (ends[1:] + ends[:-1])) * self.contact_modulus
         return mean / self.pressure if self.pressure else float("nan")
 
     @cached_property
@@ -163,7 +149,10 @@ class GapState:
 
     @cached_property
     def _shares(self) -> np.ndarray:
-        return self.nodes.shares(self._cumulative.c)
+        """Area in each piece of the nodes' intervals, from the cubics of the area below a gap."""
+        exponents = np.array([[3], [2], [1]])
+        powers = np.diff((np.arange(_PIECES + 1) / _PIECES) ** exponents)
+        return ((self._cumulative.c[:3] * np.diff(self.nodes.edges) ** exponents).T @ powers).ravel()
 
     def _below(self, gap: np.ndarray | float) -> np.ndarray:
         return self._cumulative(np.clip(gap, self.nodes.edges[0], self.nodes.edges[-1]))
@@ -184,7 +173,9 @@ class GapState:
     def pressure_density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(σ), σ = −φ'(u), in bins (1/Pa), shape (n,) for n + 1 edges (Pa); includes non-contact."""
         bins = np.asarray(edges) / self.contact_modulus
-        return self.nodes.stress_masses(self._shares, bins) / np.diff(edges)
+        masses = np.zeros(bins.size - 1)
+        _spread(self.nodes.stress, self._shares, bins, masses)
+        return masses / np.diff(edges)
 
     def quantities(self, contact_distance: float | None = None) -> dict[str, Any]:
         """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges."""
@@ -219,34 +210,31 @@ class GapState:
         low, high = (float(self.nodes.edges[end]) for end in (held[0], held[-1] + 1))
         local = -self.law.traction(np.linspace(low, high, 4 * self.gaps.size)) * self.contact_modulus
         beside = 1e-3 * np.ptp(local)  # the peak of the law may lie between two of them
-        return dataset_of(
-            self.labels,
-            self.quantities(contact_distance),
-            {
-                "pressure_pdf": (pressure_edges, (float(local.min() - beside), float(local.max() + beside))),
-                "gap_pdf": (gap_edges, (low * self.length, high * self.length)),
-            },
-        )
+        bins = {
+            "pressure_pdf": (pressure_edges, (float(local.min() - beside), float(local.max() + beside))),
+            "gap_pdf": (gap_edges, (low * self.length, high * self.length)),
+        }
+        return dataset_of(self.labels, self.quantities(contact_distance), bins)
 
 
-class PressureCurve:
+class PressureCurve(ABC):
     """The curve p(ū) of a surface, to be asked for the state at a pressure or a mean gap."""
 
     _end = "adhesion is too strong for it"  # why the curve may end before a pressure
 
     @property
+    @abstractmethod
     def mean_gap(self) -> np.ndarray:
         """Rising mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n,) (m)."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def pressure(self) -> np.ndarray:
         """p = −∂U/∂ū, shape (n,) (Pa)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
         """Distribution of the local gap at each mean gap (m); ValueError outside the nodes of the flow."""
-        raise NotImplementedError
 
     @property
     def pull_off_pressure(self) -> float:

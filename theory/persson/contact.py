@@ -140,10 +140,9 @@ class PerssonContact:
 
     def stress_densities(self, zetas: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         """P(σ, ζ) as a function from edges (m + 1,) of bins (Pa) to means (n, m) (1/Pa), at ζ = q/q_L above one."""
-        first = self.theory.wavevectors[0]
         if self.detached:
             return lambda edges: np.zeros((zetas.size, edges.size - 1))
-        return lambda edges: np.array([self.stress_density(edges, float(zeta * first)) for zeta in zetas])
+        return lambda edges: np.array([self.stress_density(edges, float(q)) for q in zetas * self.theory.wavevectors[0]])
 
     def quantities(self) -> dict[str, Any]:
         """All values but the mean gap by their names in a dataset; distributions are functions of bin edges."""
@@ -172,7 +171,7 @@ class PerssonContact:
             ζ = q/q_L, above one, for P(σ, ζ) in ``pressure_pdf_at``.
         """
         theory, gap = self.theory, np.nan
-        if self.pressure > 0 and not self.detached:
+        if self.pressure > 0:
             swept = theory.sweep(min(self.pressure, theory.stress_scale))
             gap = float(gap_integral(swept)(np.log(self.pressure)))
         low, high = self.distribution.edges[[0, -1]] * theory.stress_scale

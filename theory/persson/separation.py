@@ -82,8 +82,7 @@ class SeparationCurve:
 
     @cached_property
     def _effective_work(self) -> CubicSpline:
-        works = [contact.effective_work_of_adhesion for contact in self.contacts]
-        return CubicSpline(np.log(self.pressure), works)
+        return CubicSpline(np.log(self.pressure), [contact.effective_work_of_adhesion for contact in self.contacts])
 
 
 def separation_curve(
@@ -161,9 +160,8 @@ def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_itera
         _warn_of_unconverged("energy defect", [at_rest])
         return 0.0
     # Central difference: its error is of second order in a step that the iteration's tolerance still allows.
-    step = 1e-3 * theory.stress_scale
-    pressed = theory.at_pressure(step, at_rest.detachment_stress, tolerance, max_iterations)
-    pulled = theory.at_pressure(-step, at_rest.detachment_stress, tolerance, max_iterations)
+    step, stress = 1e-3 * theory.stress_scale, at_rest.detachment_stress
+    pressed, pulled = (theory.at_pressure(p, stress, tolerance, max_iterations) for p in (step, -step))
     _warn_of_unconverged("energy defect", [at_rest, pressed, pulled])
     if pulled.detached:
         return (pressed.energy - at_rest.energy) / step
