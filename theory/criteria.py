@@ -29,15 +29,15 @@ _HIGHEST = 10.0  # height of the bearing area in deviations: 1e-23 of the area l
 
 
 def persson_tosatti_ratio(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, true_area: bool = True
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float
 ) -> float:
     """Ratio Δγ S over the elastic energy of full contact, π ∫ K C q dq: above one full contact gains energy.
 
     B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001): Δγ A − U_el is the effective work of adhesion of a
-    solid in full contact. It holds for attraction of no range, at large Tabor parameters; partial contact may stick
-    below. S is the true area of the surface, or if not so asked its projection.
+    solid in full contact, of the true area S. It holds for attraction of no range, at large Tabor parameters; partial
+    contact may stick below.
     """
-    factor = float(true_area_factor(np.array(spectrum.rms_slope))) if true_area else 1.0
+    factor = float(true_area_factor(np.array(spectrum.rms_slope)))
     return work_of_adhesion * factor / float(spectrum.full_contact_energy(elasticity_of(elasticity).stiffness))
 
 
@@ -69,8 +69,7 @@ def dmt_tension_ratio(
     the DMT limit: its tension is Δγ/Δr on the area out of contact and within Δr. G. Violano, L. Afferrante, A.
     Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, have another equation.
     """
-    area = attracted_at_light_load(spectrum, elasticity, attraction_range, regularised=False)
-    return work_of_adhesion / attraction_range * area
+    return work_of_adhesion / attraction_range * attracted_at_light_load(spectrum, elasticity, attraction_range)
 
 
 def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_range: float) -> np.ndarray:

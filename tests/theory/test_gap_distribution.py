@@ -50,12 +50,11 @@ def test_under_light_load_the_gaps_are_the_heights_and_the_spread_of_their_centr
     assert np.sqrt(square - mean**2) == pytest.approx(np.hypot(1e-9, decay), rel=2e-3)  # 50 parts: 4e-4
 
 
-@pytest.mark.parametrize("regularised", [True, False])
-def test_attracted_area_follows_the_pressure_down_to_the_limit_of_light_load(regularised):
-    limit = attracted_at_light_load(SPECTRUM, E_STAR, 2e-10, regularised)
+def test_attracted_area_follows_the_pressure_down_to_the_limit_of_light_load():
+    limit = attracted_at_light_load(SPECTRUM, E_STAR, 2e-10)
     over_pressure = []
     for pressure in (1e-3 * E_STAR, 1e-5 * E_STAR, 1e-7 * E_STAR):
-        found = gap_distribution(SPECTRUM, E_STAR, pressure, regularised)
+        found = gap_distribution(SPECTRUM, E_STAR, pressure, regularised=False)
         over_pressure.append((found.fraction_below(2e-10) - found.relative_contact_area) / pressure)
     # Parts elsewhere: 50 and 100 of them, each within half a per cent of many.
     assert over_pressure[-1] == pytest.approx(limit, rel=0.01)

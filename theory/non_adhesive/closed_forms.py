@@ -12,6 +12,7 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 
 _gauss = cache(roots_legendre)
+_BETA = 0.4  # β of the energy's weight
 
 
 def relative_contact_area(pressure: np.ndarray | float, stress_variance: np.ndarray | float) -> np.ndarray:
@@ -28,11 +29,7 @@ def stress_density(stress: np.ndarray, pressure: float, stress_variance: float) 
 
 
 def mean_gap(
-    pressure: np.ndarray | float,
-    spectrum: RoughnessSpectrum,
-    elasticity: Elasticity | float,
-    beta: float = 0.4,
-    bands: int = 1000,
+    pressure: np.ndarray | float, spectrum: RoughnessSpectrum, elasticity: Elasticity | float, beta: float = _BETA
 ) -> np.ndarray:
     """Mean separation with the weight W = A[β + (1−β)A²] of the elastic energy (m).
 
@@ -40,7 +37,7 @@ def mean_gap(
 
     with the energy dU = π K q C dq of full contact and its stress variance s(q) = 2π ∫_{q_L}^q K² q' C dq'.
     """
-    stress, energy = shared_points(*stress_and_energy(spectrum, elasticity_of(elasticity), bands))
+    stress, energy = shared_points(*stress_and_energy(spectrum, elasticity_of(elasticity)))
     given = np.atleast_1d(np.asarray(pressure, dtype=float))
     return separation(given, stress, energy, beta).reshape(np.shape(pressure))
 
@@ -59,9 +56,9 @@ def shared_points(root: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.n
     return stress.ravel(), (parts[:, None] * share).ravel()
 
 
-def stress_and_energy(spectrum: RoughnessSpectrum, solid: Elasticity, bands: int) -> tuple[np.ndarray, np.ndarray]:
-    """√(2s) at the edges of bands (Pa), and the full-contact energy of each (J/m²)."""
-    edges = spectrum.band_edges(bands)
+def stress_and_energy(spectrum: RoughnessSpectrum, solid: Elasticity) -> tuple[np.ndarray, np.ndarray]:
+    """√(2s) at the edges of fine bands (Pa), and the full-contact energy of each (J/m²)."""
+    edges = spectrum.band_edges(1000)
     root = np.sqrt(2 * spectrum.full_contact_stress_variance(solid.stiffness, edges))
     return root, np.diff(spectrum.full_contact_energy(solid.stiffness, edges))
 
@@ -77,14 +74,11 @@ def _separation_kernel(x: np.ndarray, beta: float) -> np.ndarray:
     return 0.5 * beta * exp1(x**2) + 3 * (1 - beta) * 0.5 * (upper - x) * smooth
 
 
-def low_pressure_asymptote(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, beta: float = 0.4, bands: int = 1000
-) -> tuple[float, float]:
+def low_pressure_asymptote(spectrum: RoughnessSpectrum, elasticity: Elasticity | float) -> tuple[float, float]:
     """u₀ = (2β/√π) ∫ w dU and p₀ of the light-load limit p = p₀ e^(−ū/u₀) (m, Pa)."""
     solid = elasticity_of(elasticity)
-    root, parts = stress_and_energy(spectrum, solid, bands)
+    root, parts = stress_and_energy(spectrum, solid)
     inverse = 2 / (root[1:] + root[:-1])  # mean of w = 1/root over a band whose dU is shared as root d(root)
-    decay = float(beta * 2 / np.sqrt(np.pi) * np.sum(parts * inverse))
+    decay = float(_BETA * 2 / np.sqrt(np.pi) * np.sum(parts * inverse))
     light = 1e-12 * solid.contact_modulus  # where the asymptote is exact to rounding
-    prefactor = light * np.exp(mean_gap(light, spectrum, solid, beta, bands) / decay)
-    return decay, float(prefactor)
+    return decay, float(light * np.exp(mean_gap(light, spectrum, solid) / decay))

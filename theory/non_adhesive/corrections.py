@@ -15,7 +15,7 @@ W(x), G(x) = ∫_x^∞ W'(x')/x' dx' and W'(x) at x = p/√V.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CORRECTIONS = ("persson", "yang_persson", "wang_mueser", "xu")
-
-_GAMMA = 0.42
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ class NonAdhesiveTheory:
     spectrum: RoughnessSpectrum
     elasticity: Elasticity | float
     correction: str = "persson"
-    gamma: float = _GAMMA
+    gamma: float = 0.42
 
     def __post_init__(self):
         if self.correction not in CORRECTIONS:
@@ -79,15 +77,14 @@ class NonAdhesiveTheory:
         """The elastic solid."""
         return elasticity_of(self.elasticity)
 
-    @property
+    @cached_property
     def _curves(self) -> "_Curves":
-        return _curves(self.correction, self.gamma)
+        return _Curves(self.correction, self.gamma)
 
     @cached_property
     def _points(self) -> tuple[np.ndarray, np.ndarray]:
         """√V at Gauss's points of fine bands (Pa), and the energy of full contact at each (J/m²)."""
-        bands = closed_forms.stress_and_energy(self.spectrum, self.solid, 1000)
-        stress, energy = closed_forms.shared_points(*bands)
+        stress, energy = closed_forms.shared_points(*closed_forms.stress_and_energy(self.spectrum, self.solid))
         return stress / np.sqrt(2), energy
 
     def at_pressure(self, pressure: float) -> "NonAdhesiveContact":
@@ -153,18 +150,17 @@ class NonAdhesiveContact:
             mass = 0.5 * sum(sign * erf((up - sign * self.pressure) / (np.sqrt(2) * deviation)) for sign in (1, -1))
             return np.diff(mass) / np.diff(edges)
 
-        return dataset_of(
-            (self.theory.correction,),
-            {name: getattr(self, name) for name in ("mean_gap", "relative_contact_area", "elastic_energy")}
-            | {
-                "mean_pressure": self.pressure,
-                "interaction_energy": 0.0,
-                "pressure_pdf": density,
-                "converged": True,
-                "detached": False,
-            },
-            {"pressure_pdf": (pressure_edges, (0.0, self.pressure + 7 * deviation))},
-        )
+        values = {name: getattr(self, name) for name in ("mean_gap", "relative_contact_area", "elastic_energy")}
+        values |= {"mean_pressure": self.pressure, "interaction_energy": 0.0, "pressure_pdf": density}
+        bins = {"pressure_pdf": (pressure_edges, (0.0, self.pressure + 7 * deviation))}
+        return dataset_of((self.theory.correction,), values | {"converged": True, "detached": False}, bins)
+
+
+def _gauss(edges: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Half the widths of intervals, Gauss's points inside and their weights."""
+    nodes, weights = roots_legendre(order)
+    half = 0.5 * np.diff(edges)
+    return half, 0.5 * (edges[1:] + edges[:-1])[:, None] + half[:, None] * nodes, weights
 
 
 class _Curves:
@@ -183,9 +179,7 @@ class _Curves:
             fall = -np.exp(-1 / (2 * t)) / np.sqrt(2 * np.pi * t**3)  # dA/dt
             full, slope = t / s, 1 / (1 / s - t * rise * fall / s**2)
         else:
-            nodes, weights = roots_legendre(8)
-            half, middle = 0.5 * np.diff(t), 0.5 * (t[1:] + t[:-1])
-            inside = middle[:, None] + half[:, None] * nodes
+            half, inside, weights = _gauss(t, 8)
             parts = half * np.sum(weights / share(erf(1 / np.sqrt(2 * inside))), axis=1)
             full, slope = t[0] + np.concatenate([[0.0], np.cumsum(parts)]), share(area)
         self._spread = CubicSpline(np.log(full), np.log(t))
@@ -193,9 +187,7 @@ class _Curves:
         # Rising x = p/√V = F^(−½).
         self._weight = CubicSpline(-0.5 * np.log(full)[::-1], (area * slope)[::-1])
         places = self._weight.x
-        nodes, weights = roots_legendre(6)
-        half, middle = 0.5 * np.diff(places), 0.5 * (places[1:] + places[:-1])
-        inside = middle[:, None] + half[:, None] * nodes
+        half, inside, weights = _gauss(places, 6)
         parts = half * np.sum(weights * self._weight(inside, 1) * np.exp(-inside), axis=1)
         self._separation = CubicSpline(places, np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]]))
 
@@ -221,6 +213,3 @@ class _Curves:
 
     def _inside(self, x: np.ndarray) -> np.ndarray:
         return np.clip(np.log(x), self._weight.x[0], self._weight.x[-1])
-
-
-_curves = lru_cache(maxsize=8)(_Curves)

@@ -145,16 +145,12 @@ def gap_distribution(
 
 
 def attracted_at_light_load(
-    spectrum: RoughnessSpectrum,
-    elasticity: Elasticity | float,
-    attraction_range: float,
-    regularised: bool = True,
-    beta: float = 0.4,
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, attraction_range: float
 ) -> float:
     """Area out of contact with a gap within a range (m), over the pressure, as the pressure vanishes (1/Pa).
 
-    The sum is that of :func:`gap_distribution` for an infinite surface: at a magnification with the stress variance s
-    the area in contact is √(2/πs) for every unit of pressure, under √(πs/2).
+    The sum is that of :func:`gap_distribution`, not regularised, for an infinite surface: at a magnification with the
+    stress variance s the area in contact is √(2/πs) for every unit of pressure, under √(πs/2).
     """
     reach = positive("attraction_range", attraction_range, "m")
     solid = elasticity_of(elasticity)
@@ -164,7 +160,7 @@ def attracted_at_light_load(
     ends = np.exp(np.interp(np.log(shares * stress[-1]), np.log(stress[rough]), np.log(q[rough])))
     ends = np.append(ends, q[-1])
     contact, local = (lambda variance: np.sqrt(2 / (np.pi * variance))), (lambda area: 1 / area)
-    areas, centres, widths = _parts(spectrum, solid, ends, contact, local, regularised, beta)
+    areas, centres, widths = _parts(spectrum, solid, ends, contact, local)
     return float((ndtr((reach - centres) / widths) - ndtr((-reach - centres) / widths)) @ areas)
 
 
@@ -213,8 +209,8 @@ def _parts(
     ends: np.ndarray,
     contact: Callable[[np.ndarray], np.ndarray],
     local: Callable[[np.ndarray], np.ndarray],
-    regularised: bool,
-    beta: float,
+    regularised: bool = False,
+    beta: float = 0.4,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Area, u₁ and deviation of the parts that leave contact between wavevectors (1/m).
 

@@ -142,7 +142,9 @@ class PerssonContact:
         """P(σ, ζ) as a function from edges (m + 1,) of bins (Pa) to means (n, m) (1/Pa), at ζ = q/q_L above one."""
         if self.detached:
             return lambda edges: np.zeros((zetas.size, edges.size - 1))
-        return lambda edges: np.array([self.stress_density(edges, float(q)) for q in zetas * self.theory.wavevectors[0]])
+        return lambda edges: np.array(
+            [self.stress_density(edges, float(q)) for q in zetas * self.theory.wavevectors[0]]
+        )
 
     def quantities(self) -> dict[str, Any]:
         """All values but the mean gap by their names in a dataset; distributions are functions of bin edges."""

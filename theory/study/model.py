@@ -185,14 +185,14 @@ def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, An
 
 def _quietly(values: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Values of coarse theories without their warnings, which the fine ones repeat where they matter."""
-    found: dict[str, Any] | None = {}
-    while found is not None:
+    while True:
         with warnings.catch_warnings():
             for kind in (NotConverged, NegativeSeparation):
                 warnings.simplefilter("ignore", kind)
             found = next(values, None)
-        if found is not None:
-            yield found
+        if found is None:
+            return
+        yield found
 
 
 def errors(
