@@ -44,7 +44,7 @@ def preconditioner_for(
     rows, columns = operator.grid.shape
     if not (halvings and can_be_halved((rows, columns))):
         return FourierPreconditioner(operator, shift)
-    coarse = make(operator.grid.with_shape((rows // 2, columns // 2)), np.float32)
+    coarse = make(Grid((rows // 2, columns // 2), operator.grid.size), np.float32)
     inverse = preconditioner_for(coarse, make, shift, short_waves, halvings - 1)
     return HalvedInverse(operator.field, inverse, operator.largest, short_waves)
 

@@ -84,7 +84,7 @@ def guarded(command: str, body: Any, interrupted: str = "finished steps are kept
     """Call ``body``; turn mistakes of input and interruption into one line on stderr and an exit status."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # not every terminal has Greek letters
-    previous = signal.signal(signal.SIGTERM, _interrupt)
+    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return body()
     except KeyboardInterrupt:
@@ -110,10 +110,6 @@ def guarded(command: str, body: Any, interrupted: str = "finished steps are kept
         signal.signal(signal.SIGTERM, previous)
     print(f"{command}: error: {message}", file=sys.stderr)
     return WRONG_INPUT
-
-
-def _interrupt(*_: Any) -> NoReturn:
-    raise KeyboardInterrupt
 
 
 def report_convergence(command: str, groups: "Mapping[str, xr.Dataset]") -> int:

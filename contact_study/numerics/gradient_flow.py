@@ -8,7 +8,7 @@ Numerical Solution of Initial-Value Problems in DAEs, 1989).
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -30,33 +30,21 @@ class Status(Enum):
     STUCK = "stuck"
 
 
-class Advance(Protocol):
-    """Result of a step: u_{n+1}, whether it balances without friction, and whether no force can stop it any more."""
-
-    @property
-    def state(self) -> np.ndarray: ...
-    @property
-    def at_rest(self) -> bool: ...
-    @property
-    def apart(self) -> bool: ...
-
-
-Found = TypeVar("Found", bound=Advance)
-FoundByStep = TypeVar("FoundByStep", bound=Advance, covariant=True)
-
-
-class Overdamped(Protocol[FoundByStep]):
+class Overdamped(Protocol):
     """A system in overdamped motion."""
 
-    def advance(self, state: np.ndarray, load: float, drag: float) -> FoundByStep | None:
-        """Find the minimum of E(u) + drag |u − state|²/2 next to ``state``; None without success."""
+    def advance(self, state: np.ndarray, load: float, drag: float) -> Any:
+        """Find the minimum of E(u) + drag |u − state|²/2 next to ``state``; None without success.
+
+        It has its ``state``, is ``at_rest`` if it balances without friction, ``apart`` if no force stops it any more.
+        """
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """Find a state of lower energy next to one at rest that is no minimum; None for a minimum."""
 
 
 @dataclass(frozen=True)
-class Instant(Generic[Found]):
+class Instant:
     """A motion at one time: u, the load, the last step and its result."""
 
     state: np.ndarray
@@ -67,7 +55,7 @@ class Instant(Generic[Found]):
     steps: int = 0
     time: float = 0.0  # since the motion began
     fate: Status = Status.MOVING
-    found: Found | None = None
+    found: Any = None
 
 
 @dataclass(frozen=True)
@@ -80,17 +68,17 @@ class StepControl:
     most: int  # steps
 
 
-def at_rest(state: np.ndarray, load: float, pace: StepControl, time: float = 0.0) -> Instant[Found]:
+def at_rest(state: np.ndarray, load: float, pace: StepControl, time: float = 0.0) -> Instant:
     """Begin a motion at rest."""
     return Instant(state, load, 0.0, pace.first, pace.first, time=time)
 
 
-def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: StepControl) -> Iterator[Instant[Found]]:
+def follow(system: Overdamped, at: Instant, target: float, pace: StepControl) -> Iterator[Instant]:
     """Bring the load to its target and wait for rest; yield every step, the last with a fate other than ``MOVING``."""
     while True:
         life.beat()
         moved = _stepped(system, at, target, pace)
-        if moved is None or moved.found is None:
+        if moved is None:
             yield replace(at, fate=Status.STUCK)
             return
         at = moved
@@ -106,7 +94,7 @@ def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: S
             return
 
 
-def _stepped(system: Overdamped[Found], at: Instant[Found], target: float, pace: StepControl) -> Instant[Found] | None:
+def _stepped(system: Overdamped, at: Instant, target: float, pace: StepControl) -> Instant | None:
     """The next instant; None where no length of a step has a solution."""
     tau = at.wanted
     while tau > _SHORTEST * pace.first:

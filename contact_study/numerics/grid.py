@@ -60,7 +60,3 @@ class Grid:
         variances = self.multiplicity * np.abs(coefficients) ** 2
         variances[0, 0] = 0.0
         return variances
-
-    def with_shape(self, shape: tuple[int, int]) -> "Grid":
-        """The same rectangle with another number of points."""
-        return Grid(shape, self.size)

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 
 from contact_study.inputs.errors import InputError
-from contact_study.numerics.gradient_flow import Advance, Instant, Overdamped, Status, StepControl, at_rest, follow
+from contact_study.numerics.gradient_flow import Instant, Overdamped, Status, StepControl, at_rest, follow
 from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 
@@ -19,19 +19,17 @@ _MESSAGES = {
     Status.STUCK: "no step comes nearer to balance: raise solver.tolerance if the residual is close to it",
 }
 
-Found = TypeVar("Found", bound=Advance)
 
-
-class Moving(Overdamped[Found], Protocol[Found]):
+class Moving(Overdamped, Protocol):
     """A contact in overdamped motion: load as a mean pressure (Pa), drag in Pa/m, states in m."""
 
     def separated(self) -> np.ndarray:
         """The state of surfaces out of reach of each other."""
 
-    def standing(self, state: np.ndarray, load: float) -> Found:
+    def standing(self, state: np.ndarray, load: float) -> Any:
         """Evaluate a state at rest; apart if it is out of reach and the load does not close the gap."""
 
-    def described(self, found: Found) -> InterfaceState:
+    def described(self, found: Any) -> InterfaceState:
         """Return the state for the campaign; its report counts the work of one step."""
 
 
@@ -57,7 +55,7 @@ def pace_of(case: Case, size: tuple[float, float]) -> StepControl:
 
 def solve_path(
     case: Case,
-    moving: Moving[Found],
+    moving: Moving,
     pace: StepControl,
     restart: Mapping[str, np.ndarray] | None = None,
     start: int = 0,
@@ -96,7 +94,7 @@ class _Place:
         return cls(Instant(arrays["state"], load, arrays["move"], duration, wanted, steps, time), pairs, evaluations)
 
 
-def _states(moving: Moving[Found], pace: StepControl, at: _Place, target: float) -> Iterator[InterfaceState]:
+def _states(moving: Moving, pace: StepControl, at: _Place, target: float) -> Iterator[InterfaceState]:
     """Yield the states on the way to a load and update ``at``; ends ready for the next load."""
     if target <= 0 and at.instant.steps == 0:
         first = moving.standing(at.instant.state, target)
@@ -106,7 +104,6 @@ def _states(moving: Moving[Found], pace: StepControl, at: _Place, target: float)
     for instant in follow(moving, at.instant, target, pace):
         fate = instant.fate
         found = moving.standing(instant.state, instant.load) if fate is Status.STUCK else instant.found
-        assert found is not None
         state = moving.described(found)
         at.instant = instant
         at.pairs += state.report.fft_pairs

@@ -143,8 +143,7 @@ def _numbers(lines: Sequence[str]) -> np.ndarray:
         if all(line.endswith(separator) for line in lines):
             lines = [line.removesuffix(separator) for line in lines]
         lines = [separator.join(cell if cell.strip() else "nan" for cell in line.split(separator)) for line in lines]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of no rows
+    with warnings.catch_warnings(action="ignore", category=UserWarning):  # of no rows
         try:
             table = np.loadtxt(lines, ndmin=2, delimiter=separator)
         except ValueError as error:

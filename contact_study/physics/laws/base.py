@@ -34,12 +34,7 @@ class TractionLaw(ABC):
     Parameters
     ----------
     work_of_adhesion, length : float
-        Depth of the minimum of φ (J/m²) and the law's length, r0 or range (m).
-
-    Raises
-    ------
-    ValueError
-        If work of adhesion or length is not a positive finite number.
+        Depth of the minimum of φ (J/m²) and the law's length, r0 or range (m), both positive.
 
     Examples
     --------

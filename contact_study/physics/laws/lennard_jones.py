@@ -14,10 +14,10 @@ from contact_study.physics.laws.base import LawAtLength, TractionLaw
 class LennardJones(LawAtLength):
     """The family σ(d) = P [s^m − s^(m+6)], s = r0/d with ``length`` r0, P = Δγ(m − 1)(m + 5)/6r0.
 
-    Attributes
+    Parameters
     ----------
-    exponent : int
-        m, three to five: with which power of the distance the attraction falls.
+    work_of_adhesion, length : float
+        Δγ (J/m²) and r0 (m).
 
     Examples
     --------
@@ -26,7 +26,7 @@ class LennardJones(LawAtLength):
     True
     """
 
-    exponent: ClassVar[int]
+    exponent: ClassVar[int]  # m, three to five
 
     @property
     def prefactor(self) -> float:

@@ -23,11 +23,6 @@ _Limit = float | np.ndarray | None
 class RoughnessSpectrum(ABC):
     """A roughness spectrum, continuous or discrete, by its moments.
 
-    Raises
-    ------
-    ValueError
-        If no spectrum has the numbers of a kind.
-
     Examples
     --------
     >>> from theory import RoughnessSpectrum, SelfAffineSpectrum

@@ -20,12 +20,7 @@ class Elasticity(ABC):
     Parameters
     ----------
     contact_modulus : float
-        E*, the modulus that is quoted and the unit of stresses; of a homogeneous solid short waves feel E* q/2 (Pa).
-
-    Raises
-    ------
-    ValueError
-        If it is not a positive finite number, or no solid has the numbers of a subclass.
+        E* > 0, the modulus that is quoted, the unit of stresses; of a homogeneous solid short waves feel E* q/2 (Pa).
 
     Examples
     --------

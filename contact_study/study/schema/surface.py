@@ -55,7 +55,7 @@ class SurfaceSection(ABC):
     @property
     def map_path(self) -> str | None:
         """File of the heights as the study writes it; None for a surface that needs none."""
-        return None
+        return getattr(self, "path", None)
 
     @property
     def target_spectrum(self) -> SelfAffineSpectrum | None:
@@ -178,10 +178,6 @@ class MapFile(SurfaceSection):
     def __post_init__(self):
         if self.crop is not None and any(low >= high for low, high in self.crop):
             raise InputError(f"surface.crop = {[list(side) for side in self.crop]}: each [from, to] must increase")
-
-    @property
-    def map_path(self) -> str:
-        return self.path
 
     def cell(self, directory: Path) -> tuple[float, float]:
         # The file, if it says a size, says the same.
