@@ -21,8 +21,7 @@ import tomli_w
 from contact_study.campaign.dataset.file import DatasetReader, StoredCase
 from contact_study.campaign.store.case_file import CaseWriter
 from contact_study.results.state import Step
-from contact_study.study.bins import bins_of
-from contact_study.study.study import Study, make_study, read_study
+from contact_study.study.study import Study, bins_of, make_study, read_study
 from scripts.harness import RUN, STUDY, Option, children_time, processor_time, program
 
 RATIOS, PRESSURES = (1, 4, 8), np.geomspace(1e8, 1e10, 60)

@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from contact_study.results.observables import recorded
-from contact_study.study.bins import bins_of
-from contact_study.study.study import Study
+from contact_study.study.study import Study, bins_of
 
 
 def bins_of_case(case):

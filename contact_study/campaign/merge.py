@@ -24,11 +24,10 @@ from contact_study.campaign.resume import COARSER_BINS
 from contact_study.campaign.store.files import check_name, engine_of, readable, real, require_dataset, writable_output
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
-from contact_study.study.bins import bins_of
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import default_of, keys_of, suggestion
-from contact_study.study.study import Study, make_study
+from contact_study.study.study import Study, bins_of, make_study
 
 _SEED = "surface.seed"
 # Attributes that all datasets share beside the study.

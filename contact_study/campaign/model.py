@@ -89,8 +89,8 @@ MODELS: dict[str, Model] = {
 
 def check_study(model: Model, study: "Study") -> "tuple[Bins, list[str]]":
     """Check a study before any work; returns the bins of its distributions, and warnings about it as a whole."""
-    from contact_study.study.bins import bins_of
     from contact_study.study.checks import review
+    from contact_study.study.study import bins_of
 
     notes = [*study.notes, *review(study)]
     for case in study.cases:

@@ -9,8 +9,7 @@ from contact_study.campaign import engines, memory
 from contact_study.campaign import run as runner
 from contact_study.campaign.record import prepare_run
 from contact_study.inputs.errors import InputError
-from contact_study.study.bins import bins_of
-from contact_study.study.study import make_study
+from contact_study.study.study import bins_of, make_study
 from tests.campaign.toy_model import TOY
 from tests.campaign.toy_study import changed
 from tests.commands import main

@@ -5,8 +5,12 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from contact_study.numerics.grid import Grid
+from contact_study.physics.height_maps.preparation import detrended, mirrored
 from contact_study.physics.roughness.spectrum import radial_spectrum
+from contact_study.physics.roughness.statistics import PowerSpectrum, roughness_of, roughness_of_sample, self_affine_fit
 from contact_study.physics.solids import HalfSpace
+from contact_study.study.case import realise
+from tests.study.test_surface import case
 from theory import RadialSpectrum, SelfAffineSpectrum, TabulatedSpectrum
 
 ANGSTROM = 1e-10
@@ -128,3 +132,106 @@ def test_bands_divide_the_whole_spectrum():
         assert np.all(np.diff(edges) > 0)
         assert edges.size <= count + 1
     assert 3 * Q_L in PAPER.band_edges(10)
+
+
+UNIT = 2 * np.pi / 104e-9
+
+
+def surface(**keys):
+    return realise(case(**keys))
+
+
+def test_moments_of_a_wave():
+    grid = Grid((32, 40), (2.0, 3.0))
+    y, x = grid.coordinates
+    q = 2 * np.pi * np.hypot(3 / 2, 2 / 3)
+    heights = 5 + 0.1 * np.cos(2 * np.pi * (3 * y[:, None] / 2 + 2 * x[None, :] / 3))
+    found = roughness_of(heights, grid)
+    amplitude = 0.1 / np.sqrt(2)
+    # To rounding of transforms of heights of 5.
+    assert found.rms_height == pytest.approx(amplitude, abs=0, rel=1e-12)
+    assert found.rms_slope == pytest.approx(amplitude * q, abs=0, rel=1e-12)
+    assert found.rms_curvature == pytest.approx(amplitude * q**2 / 2, abs=0, rel=1e-12)
+    wave = found.spectrum.density * found.spectrum.waves * (2 * np.pi) ** 2 / 6
+    assert np.sum(wave) == pytest.approx(amplitude**2, abs=0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("hurst", "roll_off", "cutoff"), [(0.2, 12, 90), (0.9, 1, 127)])
+def test_the_law_of_a_self_affine_surface_is_found(hurst, roll_off, cutoff):
+    keys = {"shape": [256, 256], "hurst_exponent": hurst, "roll_off_mode": roll_off, "cutoff_mode": cutoff}
+    samples = [surface(**keys, seed=seed) for seed in range(3)]
+    fits = [roughness_of(sample.sampled, sample.grid).fit for sample in samples]  # which is not told the limits
+    # Thousands of waves give H to a hundredth; roll-offs are ends of bands of an eighth of an octave (9 %) among
+    # few waves, cutoffs end among many.
+    assert np.mean([fit.hurst_exponent for fit in fits]) == pytest.approx(hurst, abs=0.03)
+    assert np.median([fit.roll_off for fit in fits]) / UNIT == pytest.approx(roll_off, abs=0, rel=0.15)
+    assert np.mean([fit.cutoff for fit in fits]) / UNIT == pytest.approx(cutoff, abs=0, rel=0.03)
+
+
+def test_a_part_has_the_slope_of_its_heights_tilt_included_and_the_spectrum_of_its_mirror_images():
+    part, grid = surface(shape=[256, 256], cutoff_mode=50).sampled[:128, :128], Grid((128, 128), (52e-9, 52e-9))
+    level, torn = roughness_of_sample(part, grid), roughness_of(part, grid)
+    assert (level.edge_ratio, level.edge_jump) == (torn.edge_ratio, torn.edge_jump)
+    assert level.rms_height == pytest.approx(part.std(), abs=0, rel=1e-9)
+    tilted = roughness_of_sample(part + 0.5 * grid.coordinates[0][:, None], grid)
+    # The mean gradient of the part adds to the tilt by itself; a hundredth is the corner between it and its image.
+    assert tilted.rms_slope == pytest.approx(np.hypot(level.rms_slope, 0.5), abs=0, rel=0.1)
+    steps = (np.diff(part + 0.5 * grid.coordinates[0][:, None], axis=axis) / grid.spacing[axis] for axis in range(2))
+    assert tilted.rms_slope == pytest.approx(np.sqrt(sum(np.mean(step**2) for step in steps)), abs=0, rel=0.05)
+    assert tilted.rms_curvature == pytest.approx(level.rms_curvature, abs=0, rel=1e-6)
+    np.testing.assert_allclose(tilted.spectrum.density, level.spectrum.density, rtol=1e-6)
+    mirror = roughness_of(mirrored(detrended(part, 1)), Grid((256, 256), (104e-9, 104e-9)))
+    assert level.rms_curvature == pytest.approx(mirror.rms_curvature, abs=0, rel=1e-9)
+    found, images = level.spectrum, mirror.spectrum
+    assert 2 * np.pi / 52e-9 * (1 - 1e-9) <= found.wavevectors[0]
+    for name, factor in (("wavevectors", 1), ("density", 1), ("waves", 4)):
+        # The same sums in another order; images have longer waves, and one at the Nyquist wavevector.
+        expected = getattr(images, name)[-found.waves.size - 1 : -1]
+        np.testing.assert_allclose(factor * getattr(found, name), expected, rtol=1e-9)
+
+
+def test_a_part_whose_edges_meet_is_taken_as_it_is_and_edges_that_jump_are_seen():
+    whole = surface(shape=[64, 64], cutoff_mode=12)
+    alone, repeated = (find(whole.sampled, whole.grid) for find in (roughness_of_sample, roughness_of))
+    assert alone.rms_slope == repeated.rms_slope
+    np.testing.assert_array_equal(alone.spectrum.density, repeated.spectrum.density)
+    smooth = roughness_of_sample(whole.sampled, whole.grid, 104e-9 / 6)
+    assert smooth.spectrum.density[smooth.spectrum.wavevectors > 6.1 * UNIT].max() < 1e-20 * smooth.spectrum.density[0]
+    assert smooth.rms_slope < 0.9 * whole.roughness.rms_slope
+    assert repeated.edge_ratio < 2  # rows across the edge differ as any two do, but for scatter
+    for tilt in (np.linspace(0, 1e-8, 64), np.linspace(0, 1e-8, 64)[:, None]):
+        # 1e-8 across one edge, on heights that differ by far less from row to row.
+        tilted = roughness_of(whole.sampled + tilt, whole.grid)
+        assert tilted.edge_jump == pytest.approx(1e-8, abs=0, rel=0.05)
+        assert tilted.edge_ratio > 20
+
+
+def test_a_narrow_law_is_found_between_its_own_limits():
+    """The example ``first``: 1.6 octaves and a hundred waves, of which a search for the limits made H = 0.26."""
+    fit = surface(shape=[100, 100], roll_off_mode=2, cutoff_mode=6, normalisation="realised", seed=4).roughness.fit
+    assert abs(fit.hurst_exponent - 0.8) < 2 * fit.uncertainty
+    # Of n = 50 pairs of waves over an octave and a half H is known to √(1/4n var(ln q)), 0.26.
+    assert 0.15 < fit.uncertainty < 0.45
+    assert (fit.roll_off, fit.cutoff) == pytest.approx((2 * UNIT, 6 * UNIT), abs=0, rel=1e-9)
+
+
+def test_what_a_law_misses_adds_to_its_uncertainty():
+    q = np.geomspace(1e6, 1e8, 54)
+    sign, waves = np.where(np.arange(54) % 4 < 2, 1, -1), np.full(54, 400.0)
+    spectra = [PowerSpectrum(q, q**-3.6 * (1 + part * sign), waves) for part in (0.0, 0.6)]
+    there, missed = (self_affine_fit(spectrum, (q[0], q[-1])) for spectrum in spectra)
+    assert there.hurst_exponent == pytest.approx(0.8, abs=0.001)
+    assert missed.hurst_exponent == pytest.approx(0.8, abs=0.05)
+    # n = 67 pairs a band, √(1/200 + 0.1²) of C: 1/√(4 · 54 n var(ln q)); and 0.6 in place of that √(1/200 + 0.1²).
+    assert there.uncertainty == pytest.approx(0.5 / np.sqrt(54 * 66.7 * np.var(np.log(q))), abs=0, rel=0.15)
+    assert self_affine_fit(PowerSpectrum(q[:10], spectra[0].density[:10], waves[:10])) is None, "too narrow"
+    assert roughness_of(np.zeros((16, 16)), Grid((16, 16), (1.0, 1.0))).fit is None
+    assert missed.uncertainty / there.uncertainty == pytest.approx(0.6 / np.sqrt(0.015), abs=0, rel=0.3)
+
+
+def test_the_spectrum_ends_where_waves_of_all_directions_do():
+    grid = Grid((32, 32), (1.0, 1.0))
+    heights = np.random.default_rng(2).standard_normal(grid.shape)
+    spectrum = roughness_of(heights, grid).spectrum
+    assert spectrum.wavevectors[-1] <= 32 * np.pi
+    assert spectrum.waves.sum() == np.sum(np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(32)])) <= 0.5) - 1

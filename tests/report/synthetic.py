@@ -12,9 +12,8 @@ from contact_study.campaign.dataset.file import write_dataset
 from contact_study.report.read.datasets import read_inputs
 from contact_study.results.observables import RELATIVE_DISTANCE
 from contact_study.results.schema import SCHEMA_VERSION
-from contact_study.study.bins import bins_of
 from contact_study.study.case import realise
-from contact_study.study.study import make_study
+from contact_study.study.study import bins_of, make_study
 
 STUDY = """
 [study]

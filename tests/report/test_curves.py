@@ -10,7 +10,7 @@ from contact_study.report.align import curves
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.facts.shown_states import common_label, panel_points
 from contact_study.report.read.datasets import read_scatter
-from contact_study.study.bins import bins_of
+from contact_study.study.study import bins_of
 from tests.report import synthetic
 from tests.report.panels import area_curves, bands, density_curves, gap_curves, one
 from tests.report.synthetic import H_RMS, MODULUS, PRESSURES, SEEDED, area, gap, of_seeds, read, standard_error
