@@ -86,14 +86,6 @@ def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
     assert found.elastic_energy + found.interaction_energy < 2 * contact.law.potential(R0 + 3e-10) < 0
 
 
-def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
-    contact = contact_of(law(), 32, max_iterations=40)
-    monkeypatch.setattr(contact.levels, "leave_saddle", lambda gap, load: gap)
-    found = contact.step(contact.separated(), 1e9)
-    assert found.outcome is Outcome.ITERATION_LIMIT
-    assert found.iterations == 41
-
-
 def test_further_tangent_steps_close_in_within_the_same_limit():
     contact = contact_of(law(), 96, size=800e-10)
     solver = contact.levels.finest
@@ -134,29 +126,17 @@ def test_a_prediction_touches_where_the_coarse_grid_does():
     assert np.mean(touching) == pytest.approx(np.mean(found.gap == 0), rel=0.1)
 
 
-def test_a_loose_tolerance_shows_in_the_complementarity():
-    *_, found = stepped(contact_of(STICKY, tolerance=1e-2), [1e9, 5e9])
-    reaction = found.pressure + STICKY.traction(found.gap)
-    pull = -reaction[found.gap == 0].min() / E_STAR
-    assert found.complementarity_residual == pytest.approx(pull, rel=1e-6)
-    # The pull may be the largest residual itself; it comes back from SI units by some roundings.
-    assert 1e-4 < pull <= found.residual * (1 + 1e-12) <= 1e-2
-
-
 def test_full_contact_is_met_by_either_control():
     pressed, released = stepped(contact_of(STICKY), [200e9, 5e9])
     np.testing.assert_array_equal(pressed.gap, 0)
-    assert released.converged
     assert 0 < np.mean(released.gap == 0) < 1
     # Almost closed the contact is far stiffer than the spring: a mean gap of 1/1700 of the range.
     almost, closed, opened = stepped(contact_of(STICKY, control="gap"), [1e-13, 0.0, 2e-11])
-    assert almost.converged
+    assert all(each.converged for each in (released, almost, closed, opened))
     assert almost.gap.mean() == pytest.approx(1e-13, abs=1e-8 * STICKY.length)
-    assert closed.converged
     np.testing.assert_array_equal(closed.gap, 0)
     # At the least pressure: one point more would be pulled off.
     assert closed.pressure.min() == pytest.approx(-STICKY.peak_tensile_stress, rel=1e-9)
-    assert opened.converged
     assert opened.gap.mean() == pytest.approx(2e-11, abs=0, rel=1e-6)
     assert opened.pressure.mean() < closed.pressure.mean()
 
@@ -205,16 +185,12 @@ def test_energy_and_gradient_are_those_of_the_discrete_functional(monkeypatch):
 
 
 def test_linear_solver_against_a_dense_matrix():
-    shape = (15, 18)
-    grid = Grid(shape, (60.0, 50.0))
-    rng = np.random.default_rng(2)
-    points = grid.points
-    curvature = np.where(rng.random(shape) < 0.3, 2.0, -0.01).astype(np.float32)
-    right_side = rng.standard_normal(shape).astype(np.float32)
-    stiffness_q = UNIT.stiffness_on(grid)
-    dense = np.array([irfft2(stiffness_q * rfft2(e.reshape(shape)), s=shape).ravel() for e in np.eye(points)])
-    dense += np.diag(curvature.ravel().astype(float))
-    expected = np.linalg.solve(dense, right_side.ravel()).reshape(shape)
+    grid, rng = Grid((15, 18), (60.0, 50.0)), np.random.default_rng(2)
+    curvature = np.where(rng.random(grid.shape) < 0.3, 2.0, -0.01).astype(np.float32)
+    right_side = rng.standard_normal(grid.shape).astype(np.float32)
+    units = np.eye(grid.points).reshape(-1, *grid.shape)
+    dense = irfft2(UNIT.stiffness_on(grid) * rfft2(units), s=grid.shape) + curvature.astype(float) * units
+    expected = np.linalg.solve(dense.reshape(grid.points, -1), right_side.ravel()).reshape(grid.shape)
     solver = LinearisedContact(periodic(UNIT)(grid, np.float32), 0.02)
     result = solver.solve(right_side, curvature, 1.0, 1e-5, 200)
     assert not result.negative_curvature
@@ -275,7 +251,6 @@ def test_memory_of_a_step_stays_within_so_many_arrays(the_law, most):
     assert peak <= most * height.nbytes
 
 
-UNIT = HalfSpace(1.0)
 MODULUS = 93.7348e9
 
 
@@ -318,25 +293,23 @@ def test_an_interpolated_field_goes_through_the_coarser_one():
 
 @pytest.mark.parametrize("shape", [(128, 64), (64, 65), (62, 64), (32, 128)])
 def test_conjugate_gradients_need_as_many_iterations_with_a_bed_on_a_coarser_grid(shape):
-    rng, work = np.random.default_rng(1), Work(shape[0] * shape[1])
+    work = Work(shape[0] * shape[1])
     make = periodic(UNIT, 0.3, work=work)
     operator = make(Grid(shape, (120.0, 70.0)), np.float32)
     bed = preconditioner_for(operator, make, 0.02, 1.5)
     bed.apply_and_sum()
     # In single precision, and no coarser than 32 points along an axis: one halving of the first grid, none of others.
-    halved = shape == (128, 64)
-    assert work.pairs == (0.5 / 4 if halved else 0.5)
-    if not halved:
-        return
-    patches = np.repeat(np.repeat(rng.random((16, 8)), 8, axis=0), 8, axis=1)
-    curvature = np.where(patches < 0.3, 3.0, -0.01).astype(np.float32)
-    right_side = np.ones(shape, np.float32)  # a change of the load
-    full, coarse = LinearisedContact(operator, 0.02), LinearisedContact(operator, 0.02, bed)
-    expected, found = (each.solve(right_side, curvature, 1.0, 1e-3, 60) for each in (full, coarse))
-    assert not found.negative_curvature
-    assert found.iterations <= expected.iterations + 1
-    # Both to a residual of 1e-3, over the softest stiffness.
-    np.testing.assert_allclose(coarse.solution, full.solution, atol=1e-2 * np.abs(full.solution).max())
+    assert work.pairs == (0.5 / 4 if shape == (128, 64) else 0.5)
+    if shape == (128, 64):
+        patches = np.repeat(np.repeat(np.random.default_rng(1).random((16, 8)), 8, axis=0), 8, axis=1)
+        curvature = np.where(patches < 0.3, 3.0, -0.01).astype(np.float32)
+        full, coarse = LinearisedContact(operator, 0.02), LinearisedContact(operator, 0.02, bed)
+        change = np.ones(shape, np.float32)  # of the load
+        expected, found = (each.solve(change, curvature, 1.0, 1e-3, 60) for each in (full, coarse))
+        assert not found.negative_curvature
+        assert found.iterations <= expected.iterations + 1
+        # Both to a residual of 1e-3, over the softest stiffness.
+        np.testing.assert_allclose(coarse.solution, full.solution, atol=1e-2 * np.abs(full.solution).max())
 
 
 POINTS = 256
@@ -390,7 +363,7 @@ def test_springs_that_hold_the_rim_leave_negative_curvature_to_the_descent():
 
 
 def test_squares_cover_what_is_out_of_balance_and_are_few():
-    tiles = np.zeros((32, 32))
+    tiles, pair, many = np.zeros((3, 32, 32))
     tiles[3, 3], tiles[3, 5], tiles[0, 31], tiles[20, 20] = 1.0, 0.5, 0.9, 0.3
     tiles[10, 10] = 0.1  # less than a fifth of the worst
     corners = find_subdomains(tiles, CLOSE)
@@ -398,13 +371,10 @@ def test_squares_cover_what_is_out_of_balance_and_are_few():
     for row, column in [(3, 3), (3, 5), (0, 31), (20, 20)]:
         assert any(1 <= (row - r) % 32 <= 6 and 1 <= (column - c) % 32 <= 6 for r, c in corners)
     assert (20 - corners[2][0]) % 32 in (3, 4)  # alone it is in the middle
-    pair = np.zeros((32, 32))
     pair[10, 10], pair[10, 15], pair[5, 10] = 1.0, 0.5, 0.5
     assert find_subdomains(pair, CLOSE) == [(4, 9)]  # the one that has all three within its rim
-    many = np.zeros((32, 32))
     many[:: 32 // MOST, ::8] = 1.0
-    assert find_subdomains(many, CLOSE) is None
-    assert find_subdomains(0.5 * CLOSE * tiles, CLOSE) is None
+    assert find_subdomains(many, CLOSE) is find_subdomains(0.5 * CLOSE * tiles, CLOSE) is None
 
 
 def test_tiles_of_a_grid_that_they_do_not_divide():

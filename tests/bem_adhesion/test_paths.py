@@ -8,7 +8,7 @@ import pytest
 import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.study.paths import EnergyLedger, _skips_pull_off, _turns_too_sharply, adaptive_step
+from bem_adhesion.study.paths import EnergyLedger, adaptive_step
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 
@@ -61,11 +61,6 @@ class Curve:
         return Solution(at, at, gap, pressure, self.energy(target), 0.0, 0.0, 1, 1.0, outcome, law=HardWall())
 
 
-def passing():
-    """Pulled by s exp(1 − s) at a separation s, at most by one."""
-    return Curve(lambda s: -s * np.exp(1 - s), lambda s: np.e - (1 + s) * np.exp(1 - s))
-
-
 def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
     """Pulled by 2s − s², and at s = 0.6 falling by 1/6: by what the rule leaves of the way to s = 1."""
     dropping = Curve(lambda s: s**2 - 2 * s, lambda s: s**2 - s**3 / 3 - (s > 0.6) / 6)
@@ -76,52 +71,25 @@ def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
     assert 0 < passed[-1].uncertain < 0.01**2
 
 
-@pytest.fixture
-def lossy(monkeypatch):
+# Either rule alone finds it: that of two states by their energies, from 0 or 0.5 on, or that of three.
+@pytest.mark.parametrize(("begin", "first"), [(0.0, 2.0), (0.5, 1.875), *((0.0, first) for first in (0.6, 1.2, 2.4))])
+def test_the_strongest_pull_is_not_passed_over(begin, first, monkeypatch):
+    """Pulled by s exp(1 − s) at a separation s, at most by one."""
     monkeypatch.setattr("bem_adhesion.study.paths.UNACCOUNTED", np.inf)  # unaccounted work shortens steps, too
-
-
-@pytest.mark.parametrize("begin", [0.0, 0.5])
-@pytest.mark.usefixtures("lossy")
-def test_the_strongest_pull_is_not_passed_over(begin):
-    contact = passing()
+    if first in (0.6, 1.2, 2.4):
+        monkeypatch.setattr("bem_adhesion.study.paths._skips_pull_off", lambda *_: False)
+    contact = Curve(lambda s: -s * np.exp(1 - s), lambda s: np.e - (1 + s) * np.exp(1 - s))
     found = contact.step(np.zeros((2, 2)), begin)
     account = EnergyLedger(begin, float(found.pressure.mean()), begin, found.elastic_energy, True)
-    _, passed = adaptive_step(contact, found.state, account, 8.0, 1e-3, HalfSpace(1.0))
+    _, passed = adaptive_step(contact, found.state, account, begin + 4 * first, 1e-3, HalfSpace(1.0))
     # A hundredth, and what the parabola leaves.
-    assert min(at.pressure for at in passed) < -0.98
-    assert passed[-1].position == 8.0
-    # It costs a few steps, not the least one after the other.
-    assert len(passed) < 40
-
-
-@pytest.mark.parametrize("first", [0.6, 1.2, 2.4])
-@pytest.mark.usefixtures("lossy")
-def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, monkeypatch):
-    monkeypatch.setattr("bem_adhesion.study.paths._skips_pull_off", lambda *_: False)
-    account = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
-    contact = passing()
-    _, passed = adaptive_step(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0))
     assert min(at.pressure for at in passed) < -0.98
     distances = [at.position for at in passed]
     assert distances == sorted(distances), "a step that was taken back is in no book"
+    assert distances[-1] == begin + 4 * first
     assert set(pairwise(distances)) <= set(contact.steps), "each state follows from the one before it"
+    # It costs a few steps, not the least one after the other.
     assert len(passed) < 40
-
-
-def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
-    before, lowest, after = (
-        EnergyLedger(x, p, x, e, True) for x, p, e in ((0, -0.5, 0), (1, -1, 0.75), (3, -0.5, 2.25))
-    )
-    assert not _skips_pull_off(before, lowest, 0.0)
-    more = lowest._replace(energy=1.0)  # stored: the pull is one on average, and one at the end
-    assert _skips_pull_off(before, more, 0.0)
-    assert not _skips_pull_off(before, more, 1.0), "noise"
-    assert not _skips_pull_off(more, before, 0.0), "inwards"
-    assert _turns_too_sharply(before, lowest, after)
-    assert not _turns_too_sharply(before, lowest._replace(pressure=-0.5), after)
-    assert not _turns_too_sharply(before, lowest._replace(attached=False), after)
-    assert not _turns_too_sharply(before._replace(pressure=-0.93), lowest, after._replace(pressure=-0.93))
 
 
 def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():

@@ -6,9 +6,8 @@ import importlib
 import re
 import shlex
 import tomllib
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -29,13 +28,9 @@ COMMANDS = {
 SHELL = ("", "bash")
 # A table of results: its command is run by scripts/docs_tables.py, see test_tables.py.
 _TABLE = re.compile(r"<!-- (?:checked )?table.*?<!-- end -->", re.DOTALL)
-_BLOCK = re.compile(
-    r"^(?:<!-- not run: (?P<reason>.+) -->\n)?```(?P<language>.*)\n(?P<text>(?:.*\n)*?)```$", re.MULTILINE
-)
+_BLOCK = re.compile(r"^(?:<!-- not run: (.+) -->\n)?```(.*)\n((?:.*\n)*?)```$", re.MULTILINE)
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 TARGETS = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)[1].split()
-_LINK = re.compile(r"\]\(([^)\s]+)\)")
-_OPTION = re.compile(r"--([a-z]+\.[a-z_]+)")
 DEBTS = re.compile(
     r"from memory[,;)]|named from memory|unchecked[,;).]|(paper|text) itself was not"
     r"|abstract[s]? (was|were|is) read|was read, not|looked up|not confirmed",
@@ -45,31 +40,24 @@ PACKAGES = ("bem_adhesion", "contact_study", "md_reference", "research", "script
 SOURCES = sorted(file for package in PACKAGES for file in (ROOT / package).rglob("*.py"))
 
 
-@dataclass(frozen=True)
-class Block:
+class Block(NamedTuple):
     """A fenced block of a page; ``reason`` says why no test can run it."""
 
+    reason: str
     language: str
     text: str
-    reason: str | None
-
-    @property
-    def lines(self) -> list[str]:
-        """Its commands, without comments."""
-        return [line for line in self.text.splitlines() if line.strip() and not line.startswith("#")]
 
 
-def blocks(page: Path) -> list[Block]:
+def blocks(page):
     """The blocks of a page in their order, without tables of results."""
-    text = _TABLE.sub("", page.read_text(encoding="utf-8"))
-    return [Block(one["language"], one["text"], one["reason"]) for one in _BLOCK.finditer(text)]
+    return [Block(*found) for found in _BLOCK.findall(_TABLE.sub("", page.read_text(encoding="utf-8")))]
 
 
 class Parsed(BaseException):
     """The arguments were taken, but for these."""
 
 
-def parsed(monkeypatch, main: Callable[..., int], *arguments: list[str]) -> list[str]:
+def parsed(monkeypatch, main, *arguments):
     """Let a command read its arguments, and no more; returns those that it does not know."""
     take = argparse.ArgumentParser.parse_known_args
 
@@ -82,37 +70,26 @@ def parsed(monkeypatch, main: Callable[..., int], *arguments: list[str]) -> list
     return found.value.args[0]
 
 
-def anchors(page):
-    """Anchors of a page's headings, as GitHub and MyST make them."""
-    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    return {slug(heading) for heading in re.findall(r"^#{1,6} (.+)$", text, flags=re.MULTILINE)}
-
-
 def slug(heading):
+    """The anchor of a heading, as GitHub and MyST make it."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
-def faults(page):
-    """Links of a page that lead nowhere."""
-    for link in _LINK.findall(page.read_text(encoding="utf-8")):
-        if "://" in link or link.startswith("mailto:"):
-            continue
-        name, _, anchor = link.partition("#")
-        target = page if not name else page.parent / name
-        if not target.exists() or (anchor and target.suffix == ".md" and anchor not in anchors(target)):
-            yield link
+def leads_somewhere(page, link):
+    name, _, anchor = link.partition("#")
+    target = page.parent / name if name else page
+    if "://" in link or link.startswith("mailto:") or not (anchor and target.suffix == ".md"):
+        return "://" in link or link.startswith("mailto:") or target.exists()
+    text = re.sub(r"```.*?```", "", target.read_text(encoding="utf-8"), flags=re.DOTALL)
+    return anchor in map(slug, re.findall(r"^#{1,6} (.+)$", text, flags=re.MULTILINE))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_local_links_lead_somewhere(page):
-    assert not list(faults(page))
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_keys_and_examples_that_are_to_be_typed_exist(page):
+def test_links_keys_and_examples_exist(page):
     text = page.read_text(encoding="utf-8")
+    assert [link for link in re.findall(r"\]\(([^)\s]+)\)", text) if not leads_somewhere(page, link)] == []
     keys = {f"{section}.{name}" for section, name, *_ in all_keys()} | {"section.key"}
-    assert set(_OPTION.findall(text)) <= keys
+    assert set(re.findall(r"--([a-z]+\.[a-z_]+)", text)) <= keys
     assert set(re.findall(r"--example ([a-z]\w*)(?=`| >|$)", text, re.MULTILINE)) <= {*example_names()}
 
 
@@ -124,16 +101,6 @@ def test_no_source_is_cited_unread(files):
         if (match := DEBTS.search(" ".join(file.read_text(encoding="utf-8").split())))
     }
     assert not found
-
-
-def test_the_citation_is_of_this_version():
-    said = re.search(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    assert said[1] == contact_study.__version__
-
-
-def test_every_page_of_the_site_is_in_its_contents():
-    listed = re.findall(r"^([a-z_0-9]+)$", (ROOT / "docs" / "index.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    assert {page.stem for page in (ROOT / "docs").glob("*.md")} == {*listed, "index"}
 
 
 def section_of(page, anchor):
@@ -155,19 +122,25 @@ def test_questions_of_users_have_answers():
         assert one["words"].lower() in section.lower(), one
 
 
-def test_every_public_name_has_a_page_of_its_own():
-    listed = set(re.findall(r"^   ([a-z_]+(?:\.\w+)+)$", (ROOT / "docs" / "api.md").read_text(), re.MULTILINE))
+def test_the_site_has_every_page_and_public_name_and_the_citation_is_of_this_version():
+    def listed(file, line):
+        return set(re.findall(line, (ROOT / file).read_text(encoding="utf-8"), re.MULTILINE))
+
+    pages = {page.stem for page in (ROOT / "docs").glob("*.md")}
+    assert pages - {"index"} == listed("docs/index.md", r"^([a-z_0-9]+)$")
+    assert listed("CITATION.cff", r"^version: (.+)$") == {contact_study.__version__}
     packages = ("contact_study", "contact_study.plots", "bem_adhesion", "md_reference", "theory")
     public = {f"{name}.{one}" for name in packages for one in importlib.import_module(name).__all__}
     # The theories hand out laws and solids of bem_adhesion, which have their pages there.
     shared = {f"theory.{one}" for one in importlib.import_module("bem_adhesion").__all__}
-    assert listed == {name for name in public - shared if not name.endswith("__version__")}
+    named = {name for name in public - shared if not name.endswith("__version__")}
+    assert listed("docs/api.md", r"^   ([a-z_]+(?:\.\w+)+)$") == named
 
 
 def commands():
     """Every command for a shell, in words."""
     for page in PAGES:
-        for line in (line for block in blocks(page) if block.language in SHELL for line in block.lines):
+        for line in "\n".join(block.text for block in blocks(page) if block.language in SHELL).splitlines():
             words = shlex.split(line, comments=True)
             while words:
                 end = words.index("&&") if "&&" in words else len(words)
@@ -195,15 +168,11 @@ def test_a_command_of_the_documentation_is_one(words, monkeypatch):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_blocks_are_of_languages_that_are_checked(page):
+def test_code_of_the_documentation_can_be_read(page):
     for block in blocks(page):
         assert block.language in (*SHELL, "python", "toml") or block.language.startswith("{")
         if block.language == "python":
             compile(block.text, page.name, "exec")
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_keys_of_the_documentation_can_be_read(page):
     for table in [tomllib.loads(block.text) for block in blocks(page) if block.language == "toml"]:
         given = [(dotted, value) for dotted, values in table.pop("sweep", {}).items() for value in values]
         for item in table.pop("override", []):
