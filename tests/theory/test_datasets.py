@@ -53,6 +53,7 @@ def test_the_local_theories_say_gaps_and_both_pressures(states, paper):
         assert mean == pytest.approx(state.mean_gap, rel=1e-3)  # 400 bins
         assert float(dataset.local_mean_pressure) == state.mean_traction != float(dataset.mean_pressure)
         own = state.to_dataset()
+        assert float(own.relative_repulsive_area) == state.fraction_below(3.28e-10)
         assert theory == "edge_flow" or own.metastable_branch == "loading"
         assert float(own.relative_contact_area) == state.fraction_below(paper.law(1).contact_distance)
 

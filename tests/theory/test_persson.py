@@ -126,6 +126,8 @@ def test_filtered_surface_is_that_without_its_empty_shells(paper, filtered_spect
     assert contact.relative_contact_area == pytest.approx(expected.relative_contact_area, rel=2e-3)
     with pytest.raises(FloatingPointError, match="after 1 diffusions"):
         solve(paper.theory(0.69, stress_cap=np.nan), 1e9, "detached")
+    with pytest.raises(ValueError, match="start"):
+        solve(theory, 1e9, "mean")
 
 
 def test_area_factors_are_gaussian_means(paper):
@@ -149,11 +151,3 @@ def test_full_contact_stores_the_full_energy(paper):
     assert theory.full_contact_energy == pytest.approx(5.3532 - 0.69 * 1.03336, abs=1e-4)
     pressed = solve(theory, 7 * theory.stress_scale)
     assert pressed.energy == pytest.approx(theory.full_contact_energy, rel=1e-5)
-
-
-def test_unknown_choices_are_refused(paper):
-    with pytest.raises(ValueError, match="start"):
-        solve(paper.theory(1.0), 1e9, start="mean")
-    for choice in ("energy_weight", "true_area"):
-        with pytest.raises(ValueError, match=choice):
-            paper.theory(1.0, **{choice: "mean"})

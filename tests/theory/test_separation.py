@@ -7,7 +7,8 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from theory import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+from theory import Layer, SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+from theory.non_adhesive import closed_forms
 from theory.persson.separation import NegativeSeparation, NotConverged
 from theory.persson.theory import PerssonTheory
 from theory.study.paths import _first
@@ -32,6 +33,15 @@ def test_reference_gaps(paper, work_of_adhesion):
         found = curve.mean_gap(pressures) / paper.rms_height
     # Half a per cent; where ū is near zero, 0.001 h_rms: half a unit of the reference's last digit, twice.
     assert found == pytest.approx(np.array(GAPS[work_of_adhesion]), rel=0.005, abs=1e-3)
+
+
+def test_without_adhesion_on_a_layer_it_is_the_work_of_the_pressure(paper):
+    solid = Layer(paper.contact_modulus, 0.5, 0.7 / paper.spectrum.low)  # its K is no power of q
+    theory = PerssonTheory(paper.spectrum, solid, 0.0)
+    pressures = np.array([0.05, 0.3]) * theory.stress_scale
+    found = separation_curve(theory, pressures[0]).mean_gap(pressures)
+    # The nodes of the diffusion, as on a half-space.
+    np.testing.assert_allclose(found, closed_forms.mean_gap(pressures, paper.spectrum, solid), rtol=5e-3)
 
 
 def test_no_separation_without_pressure(paper):

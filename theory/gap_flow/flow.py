@@ -20,7 +20,7 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.gap_flow.kernels import BRANCHES, backward_sweep, flow_through_scales
-from theory.gap_flow.state import GapNodes, GapState, PressureCurve, core_of, cumulatives, gap_nodes, positions
+from theory.gap_flow.state import FINE, GapNodes, GapState, PressureCurve, core_of, cumulatives, node_range, positions
 
 GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600  # nodes of the gap and bands of wavevectors
 
@@ -31,9 +31,6 @@ class GapFlowOptions:
 
     first_variance: float = 1e-5  # height variance of the first step, in squares of the law's length
     growth: float = 500  # of the steps after it, times the number of scales, until the spectrum's bands are shorter
-
-
-_DEFAULT = GapFlowOptions()
 
 
 @dataclass(frozen=True)
@@ -123,7 +120,7 @@ def gap_flow(
     gaps: int = GAP_FLOW_GAPS,
     scales: int = GAP_FLOW_SCALES,
     iterations: int = 60,
-    options: GapFlowOptions = _DEFAULT,
+    options: GapFlowOptions = GapFlowOptions(),
 ) -> GapFlow:
     """Flow a traction-separation law through a roughness spectrum.
 
@@ -164,7 +161,8 @@ def gap_flow(
     length = core_of(law)
     solid = elasticity_of(elasticity)
     reduced = law.scaled(length, solid.contact_modulus)
-    x = gap_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
+    lowest, end = node_range(spectrum, solid, reduced, length, largest_gap)
+    x = lowest + FINE * np.sinh(np.linspace(0, end, gaps))  # finest where the law varies
     stiffness, steps = _scales(spectrum, solid, length, scales, options)
     energy = np.array(reduced.potential(x), dtype=float)
     kept = np.empty((steps.size, x.size)), np.empty((steps.size, x.size), dtype=np.int32)

@@ -28,7 +28,7 @@ _NO_WEIGHT = 1e-200  # weights below it are none: far beyond the roughness they 
 _QUANTITIES = ("relative_repulsive_area", "elastic_energy", "interaction_energy", "stress_balance", "residual")
 
 _PIECES = 32  # of a node's interval over which the distribution of stress is summed
-_FINE = 0.8  # distance from the lowest node, in the law's lengths, over which nodes are even before they widen
+FINE = 0.8  # distance from the lowest node, in the law's lengths, over which nodes are even before they widen
 _TABLE = 40001  # points between which the coordinate of the nodes is interpolated
 
 # Nodes for one deviation of the stress of full contact, deviations up to which that holds, the part of it for tension,
@@ -121,12 +121,6 @@ class GapState:
         return apart if self.change is None else self.change
 
     @property
-    def complete(self) -> bool:
-        """Whether the distribution holds the whole area and the mean gap, which every step keeps but for rounding."""
-        area, gap = self.weights.sum(), inner_product(self.weights, self.gaps)
-        return bool(abs(area - 1) < _KEPT and abs(gap * self.length - self.mean_gap) < _KEPT * self.mean_gap)
-
-    @property
     def interaction_energy(self) -> float:
         """<φ> (J/m²)."""
         return inner_product(self.weights, self.law.potential(self.gaps)) * self.contact_modulus * self.length
@@ -180,6 +174,9 @@ class GapState:
     def quantities(self, contact_distance: float | None = None) -> dict[str, Any]:
         """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges."""
         own = self.law.contact_distance * self.length
+        # Every step keeps the whole area and the mean gap but for rounding.
+        area, gap = self.weights.sum(), inner_product(self.weights, self.gaps) * self.length
+        complete = bool(abs(area - 1) < _KEPT and abs(gap - self.mean_gap) < _KEPT * self.mean_gap)
         return {name: getattr(self, name) for name in _QUANTITIES} | {
             "mean_pressure": self.pressure,
             "mean_gap": self.mean_gap - self.law.equilibrium_distance * self.length,
@@ -187,7 +184,7 @@ class GapState:
             "local_mean_pressure": self.mean_traction,
             "pressure_pdf": self.pressure_density,
             "gap_pdf": self.gap_density,
-            "converged": self.converged and self.complete,
+            "converged": self.converged and complete,
             "detached": False,
         }
 
@@ -292,25 +289,17 @@ def positions(mean_gaps: np.ndarray, lowest: float, highest: float) -> np.ndarra
     return asked
 
 
-def gap_nodes(
-    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
-) -> np.ndarray:
-    """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
-    lowest, steps = _reach(spectrum, solid, law, length, largest_gap)
-    return lowest + _FINE * np.sinh(np.linspace(0, steps, count))
-
-
 def nodes_even_in_stress(
     spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
 ) -> GapNodes:
-    """Nodes even in a sum of the coordinate of :func:`gap_nodes` and of the law's stress, which decides the mean.
+    """Nodes even in a sum of the coordinate of :func:`node_range` and of the law's stress, which decides the mean.
 
     ``count`` is for roughness of the law's own size; wider ranges have more nodes, as many for each factor of e.
     """
-    lowest, steps = _reach(spectrum, solid, law, length, largest_gap)
+    lowest, steps = node_range(spectrum, solid, law, length, largest_gap)
     count = int(np.ceil(count * max(steps / _USUAL_STEPS, 1)))
     fine = np.linspace(0, steps, _TABLE)
-    gaps = lowest + _FINE * np.sinh(fine)
+    gaps = lowest + FINE * np.sinh(fine)
     deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
     stress = -law.traction(gaps) / max(deviation, law.peak_tensile_stress / _STRONGEST)
     # Even up to some deviations of the stress of full contact, logarithmic beyond; the tension by half as many.
@@ -322,7 +311,7 @@ def nodes_even_in_stress(
     return GapNodes(law, places[::2], places[1::2])
 
 
-def _reach(
+def node_range(
     spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float
 ) -> tuple[float, float]:
     """The lowest node, and how far the highest is in the inverse hyperbolic sine of the distance from it."""
@@ -332,7 +321,7 @@ def _reach(
     lowest = float(law.repulsive_gap(np.array(-highest)))
     roughness = np.sqrt(spectrum.mean_square_height) / length
     reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
-    return lowest, float(np.arcsinh((reach - lowest) / _FINE))
+    return lowest, float(np.arcsinh((reach - lowest) / FINE))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

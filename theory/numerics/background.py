@@ -40,17 +40,15 @@ class BackgroundExecutor:
     """Threads beside the one that asks, which counts as one; work may not catch warnings, which a process shares."""
 
     def __init__(self, threads: int):
-        self._alone, self._others = threads < 2, threads - 1
+        self._others = threads - 1
         self._waiting: deque[BackgroundTask] = deque()
         self._lock = threading.Lock()
 
     def begin(self, work: Callable[[], Result]) -> BackgroundTask[Result]:
         """Work to be done as soon as a thread is free, first come, first served."""
         piece = BackgroundTask(self, work)
-        if self._alone:
-            return piece
         with self._lock:
-            if self._others:
+            if self._others > 0:
                 self._others -= 1
                 # Nobody waits for it at the end of an interrupted process.
                 threading.Thread(target=self._serve, args=(piece,), daemon=True).start()

@@ -125,9 +125,8 @@ class PerssonContact:
         theory, scale = self.theory, self.theory.stress_scale
         low, high = theory.wavevectors[[0, -1]]
         if not low < finite("wavevector", wavevector, "1/m") <= high * (1 + 1e-9):  # it may be a product
-            raise ValueError(
-                f"wavevector = {wavevector:g} 1/m: the magnifications go from above {low:.6g} to {high:.6g}"
-            )
+            span = f"from above {low:.6g} to {high:.6g}"
+            raise ValueError(f"wavevector = {wavevector:g} 1/m: the magnifications go {span}")
         at = min(wavevector, high)
         end = theory.spectrum.full_contact_stress_variance(theory.solid.stiffness, np.array([at]))[0]
         below = theory.stress_variance[theory.wavevectors < at]

@@ -30,9 +30,6 @@ class DiffusionOptions:
     first_distance: float = 3.0  # distance at the start, over that stress, beyond which the boundary is moved closer
 
 
-_DEFAULT = DiffusionOptions()
-
-
 @dataclass(frozen=True)
 class StressDistribution:
     """P(σ) of the contact at the end of the diffusion, and its history."""
@@ -58,8 +55,8 @@ def diffuse(
     pressure: float,
     variance: np.ndarray,
     detachment_stress: np.ndarray,
-    cells: int = 500,
-    options: DiffusionOptions = _DEFAULT,
+    cells: int,
+    options: DiffusionOptions = DiffusionOptions(),
 ) -> StressDistribution:
     """Stress distribution of a contact under a pressure, in units where the last variance is about one.
 

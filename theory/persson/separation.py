@@ -64,11 +64,8 @@ class SeparationCurve:
         x = np.log(np.where(swept, np.minimum(p, self.pressure[-1]), self.pressure[-1]))
         gap = np.where(swept, self._integral(x), np.nan)
         if np.any(gap < 0):
-            warnings.warn(
-                f"mean separation down to {np.nanmin(gap):.3g} m: strong adhesion, U(p) is not monotonic",
-                NegativeSeparation,
-                stacklevel=2,
-            )
+            words = f"mean separation down to {np.nanmin(gap):.3g} m: strong adhesion, U(p) is not monotonic"
+            warnings.warn(words, NegativeSeparation, stacklevel=2)
         return gap
 
     def detachment_stress_at(self, pressure: float) -> np.ndarray:
@@ -127,12 +124,9 @@ def separation_curve(
 def _warn_of_unconverged(quantity: str, contacts: Sequence[PerssonContact]) -> None:
     lost = sorted((contact for contact in contacts if not contact.converged), key=lambda contact: contact.pressure)
     if lost:
-        warnings.warn(
-            f"{quantity}: {len(lost)} of {len(contacts)} states did not converge, "
-            f"at pressures from {lost[0].pressure:.3g} to {lost[-1].pressure:.3g} Pa; {lost[0].advice}",
-            NotConverged,
-            stacklevel=3,
-        )
+        where = f"at pressures from {lost[0].pressure:.3g} to {lost[-1].pressure:.3g} Pa; {lost[0].advice}"
+        words = f"{quantity}: {len(lost)} of {len(contacts)} states did not converge, {where}"
+        warnings.warn(words, NotConverged, stacklevel=3)
 
 
 def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_iterations: int = MAX_ITERATIONS) -> float:

@@ -73,12 +73,8 @@ class CaseTheories:
         flows = tuple(begun.result() for begun in self._gap_flows_begun)
         for flow in flows:
             if not flow.converged:
-                warnings.warn(
-                    f"gap flow, {flow.branch}: {flow.unconverged_steps} of {flow.steps} steps of the roughness "
-                    "did not converge",
-                    NotConverged,
-                    stacklevel=2,
-                )
+                lost = f"{flow.unconverged_steps} of {flow.steps} steps of the roughness"
+                warnings.warn(f"gap flow, {flow.branch}: {lost} did not converge", NotConverged, stacklevel=2)
         return flows
 
     @cached_property

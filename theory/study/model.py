@@ -94,6 +94,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     every, law = case_theories(case, surface), case.law
     theories = every[0]
     theory, spectrum = theories.persson, theories.spectrum
+    q = paths.stored_wavevectors(theory)
     with theories.naming_the_spectrum():
         defect = energy_defect(theory, *theories.effort)
     values: dict[str, Value] = {
@@ -105,25 +106,20 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         "rms_height": float(np.sqrt(spectrum.mean_square_height)),
         "rms_slope": spectrum.rms_slope,
         "energy_defect": defect,
-        "wavevector": paths.stored_wavevectors(theory),
+        "wavevector": q,
     }
     if case.theory.magnifications:
         values["magnification"] = paths.magnifications(theory, case.theory.magnifications)
     if law.attracts:
         values |= stickiness(spectrum, case.solid, law).quantities()
-        values["local_tabor_number"] = local_tabor_number(
-            paths.stored_wavevectors(theory), spectrum, case.solid, law.work_of_adhesion, range_of(law)
-        )
+        values["local_tabor_number"] = local_tabor_number(q, spectrum, case.solid, law.work_of_adhesion, range_of(law))
     for theories in every:
         with theories.naming_the_spectrum():
-            values[theories.named("persson/pull_off_pressure")] = pull_off_pressure(
-                theories.persson, 1e-3, *theories.effort
-            )
-            flows = theories.gap_flows
-        for flow in flows:
-            values[theories.named(f"{flow.name}/pull_off_pressure")] = flow.pull_off_pressure
+            pulled = {"persson": pull_off_pressure(theories.persson, 1e-3, *theories.effort)}
+            pulled |= {flow.name: flow.pull_off_pressure for flow in theories.gap_flows}
         if theories.edge_flow is not None:
-            values[theories.named("edge_flow/pull_off_pressure")] = theories.edge_flow.pull_off_pressure
+            pulled["edge_flow"] = theories.edge_flow.pull_off_pressure
+        values |= {theories.named(f"{name}/pull_off_pressure"): pressure for name, pressure in pulled.items()}
     return values
 
 
@@ -239,9 +235,6 @@ def _warn(missed: Mapping[str, list[tuple[float, str]]], points: int, accuracy: 
     for state, cases in missed.items():
         share, words = max(cases)
         size = f"{share:.2g} {words}" if np.isfinite(share) else "a state that half the resolution does not find"
-        warnings.warn(
-            f"{state.replace('_', ' ')}: at {len(cases)} of {points} points the estimated error of the resolution is "
-            f"above theory.accuracy = {accuracy:g}, at most {size}",
-            Unresolved,
-            stacklevel=2,
-        )
+        where = f"{state.replace('_', ' ')}: at {len(cases)} of {points} points"
+        above = f"the estimated error of the resolution is above theory.accuracy = {accuracy:g}, at most {size}"
+        warnings.warn(f"{where} {above}", Unresolved, stacklevel=2)

@@ -18,8 +18,6 @@ from theory.persson.separation import NegativeSeparation, NotConverged, Separati
 from theory.persson.theory import PerssonTheory
 from theory.study.case_theories import CaseTheories
 
-_UNSOUND_GAP = "the mean gap depends on states at higher pressures that did not converge"
-
 _STORED_WAVEVECTORS = 129  # at which the magnification-resolved quantities are stored
 _RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
 
@@ -33,10 +31,12 @@ _SAME_BRANCH, _LOWEST_PRESSURE = 1e-2, 1e-9
 PathValues = Callable[[int], dict[str, Any]]
 
 
-def _nowhere(edges: np.ndarray) -> np.ndarray:
+def _nowhere(edges: np.ndarray, value: float = 0.0) -> np.ndarray:
     """Distribution of what is nowhere within any bins."""
-    return np.zeros(edges.size - 1)
+    return np.full(edges.size - 1, value)
 
+
+_undefined = partial(_nowhere, value=np.nan)
 
 # A detached block; its mean gap is infinite where the theory defines one.
 _DETACHED: dict[str, Any] = {
@@ -61,11 +61,6 @@ def flow_paths(theories: CaseTheories, start: int = 0) -> list[PathValues]:
         return found if flow is None else [*found, _edge_flow_values(theories.case, flow, theories.ahead, start)]
 
 
-def _undefined(edges: np.ndarray) -> np.ndarray:
-    """Distribution that is not known in any bin."""
-    return np.full(edges.size - 1, np.nan)
-
-
 def _unknown(names: tuple[str, ...], gap: float, message: str) -> dict[str, Any]:
     """Values of a state that a theory does not have or find: NaN, of some further names too, and flagged."""
     flags = {"mean_gap": gap, "converged": False, "detached": False, "message": message}
@@ -80,12 +75,9 @@ def _gap_flow_values(case: Case, flow: GapFlow, begun: BackgroundTask, number: i
 
 def _edge_flow_values(case: Case, flow: EdgeFlow, ahead: BackgroundExecutor, start: int) -> PathValues:
     if not flow.converged:
-        warnings.warn(
-            f"edge flow: {flow.unconverged_states} of {len(flow.equilibria) + flow.lost} mean gaps did not converge"
-            + (", between pieces of the curve; states of these are sound" if len(flow.pieces) > 1 else ""),
-            NotConverged,
-            stacklevel=2,
-        )
+        lost = f"{flow.unconverged_states} of {len(flow.equilibria) + flow.lost} mean gaps did not converge"
+        sound = ", between pieces of the curve; states of these are sound" if len(flow.pieces) > 1 else ""
+        warnings.warn(f"edge flow: {lost}{sound}", NotConverged, stacklevel=2)
     gaps = [_edge_flow_gap(case, flow, asked) for asked, _ in case.path]
     begun = {
         number: ahead.begin(partial(flow.states, np.array([gap])))
@@ -157,7 +149,8 @@ def persson_path(
             stress = contact.detachment_stress
             values = _persson_values(contact) | {"mean_gap": float(gaps[number])}
             if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
-                values |= {"converged": False, "message": values["message"] or _UNSOUND_GAP}
+                unsound = "the mean gap depends on states at higher pressures that did not converge"
+                values |= {"converged": False, "message": values["message"] or unsound}
             if asked:
                 values["pressure_pdf_at"] = contact.stress_densities(magnifications(theory, asked))
         yield values, stress
