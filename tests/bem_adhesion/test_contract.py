@@ -274,12 +274,12 @@ def test_every_control_has_the_states_of_the_pressure(name, control, solid):
 
 @every_elastic_kind
 def test_an_iteration_limit_is_reported_with_its_residual(kind):
-    found = stepped(contact_of(kind, max_iterations=1), [2e9])[0]
+    [found] = stepped(contact_of(kind, max_iterations=1), [2e9])
     assert found.outcome is Outcome.ITERATION_LIMIT
     assert not found.converged
     assert found.iterations <= 2
     assert found.residual > 1e-8
-    found = stepped(contact_of(kind, tolerance=1e-18, max_iterations=200), [2e9])[0]
+    [found] = stepped(contact_of(kind, tolerance=1e-18, max_iterations=200), [2e9])
     assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
     assert found.residual < 1e-12
 
@@ -307,16 +307,14 @@ def test_bad_states_and_targets_are_named(kind, state, target, message):
 def test_a_trace_has_the_pairs_and_the_residual_of_the_solution_and_changes_nothing(kind):
     marks = []
     traced = contact_of(kind, HEIGHT, trace=marks.append)
-    first = len(marks)
+    before = marks[-1].pairs if marks else 0.0
     found = stepped(traced, [2e9])[0]
     phases = [mark.phase for mark in marks]
-    assert set(phases) == {"transform", "spectrum", "points", "iteration"} | ({"extension"} & set(phases))
-    assert ("extension" in phases) == (KINDS[kind][0] == HardWall())
-    spent = marks[-1].pairs - (marks[first - 1].pairs if first else 0.0)
-    assert spent == pytest.approx(found.fft_pairs, rel=1e-12)
+    extension = {"extension"} if KINDS[kind][0] == HardWall() else set()
+    assert set(phases) == {"transform", "spectrum", "points", "iteration"} | extension
+    assert marks[-1].pairs - before == pytest.approx(found.fft_pairs, rel=1e-12)
     finest = max(mark.shape for mark in marks)
-    residuals = [mark.residual for mark in marks if mark.phase == "iteration" and mark.shape == finest]
-    assert residuals[-1] == found.residual
+    assert [mark.residual for mark in marks if (mark.phase, mark.shape) == ("iteration", finest)][-1] == found.residual
     assert phases.count("transform") == phases.count("spectrum") * 2
     np.testing.assert_array_equal(stepped(contact_of(kind, HEIGHT), [2e9])[0].gap, found.gap)
 
@@ -444,9 +442,8 @@ def test_a_solution_has_the_numbers_of_a_dataset_and_compares_by_identity(name):
     assert one.relative_contact_area == dataset.relative_contact_area.item() > 0
     assert one.mean_gap == pytest.approx(dataset.mean_gap.item(), rel=1e-6)
     assert len({one, one, other}) == 2
-    first, second = repr(one).splitlines()
-    assert f"relative contact area {one.relative_contact_area:.4g}, mean gap" in first
-    assert "converged" in second
+    words = rf"relative contact area {one.relative_contact_area:.4g}, mean gap.*\n.*converged"
+    assert re.search(words, repr(one))
 
 
 @pytest.mark.filterwarnings("default:grid too coarse")
@@ -471,19 +468,17 @@ def test_a_grid_that_does_not_resolve_its_law_is_told_of(options):
 
 
 @pytest.mark.filterwarnings("error:grid too coarse")
-@pytest.mark.parametrize("kind", ["half_space", "viscoelastic"])
-def test_a_study_and_a_viscoelastic_contact_say_it_once(kind):
-    table = study_table(32, size=500e-10, loading={"path": [1e9]})
-    table["interaction"]["length"] = 1e-10
-    if kind == "viscoelastic":
-        table["elasticity"] = {"kind": kind, "branch_youngs_moduli": [5e9], "relaxation_times": ["1 s"]}
-        table["loading"] |= {"duration": "1 s", "time_steps": 2}
-        with pytest.warns(UserWarning, match="grid too coarse"):
-            contact = ViscoelasticContact(NOISE, 100e-9, Viscoelastic(1e9, (1e9,), (1.0,)), LAW)
-        contact.step(contact.separated(), 1e6, 0.1)  # a warning here were an error
-    with pytest.warns(UserWarning, match="grid too coarse") as said:
-        contact_study.run(table, "continuum")
-    assert len(said) == 1
+def test_a_study_and_a_viscoelastic_contact_say_it_once():
+    with pytest.warns(UserWarning, match="grid too coarse"):
+        contact = ViscoelasticContact(NOISE, 100e-9, Viscoelastic(1e9, (1e9,), (1.0,)), LAW)
+    contact.step(contact.separated(), 1e6, 0.1)  # a warning here were an error
+    elastic = study_table(32, size=500e-10, interaction={"length": 1e-10})
+    branch = {"kind": "viscoelastic", "branch_youngs_moduli": [5e9], "relaxation_times": ["1 s"]}
+    time = {"path": [1e9], "duration": "1 s", "time_steps": 2}
+    for table in (elastic, {**elastic, "elasticity": branch, "loading": time}):
+        with pytest.warns(UserWarning, match="grid too coarse") as said:
+            contact_study.run(table, "continuum")
+        assert len(said) == 1
 
 
 @pytest.mark.parametrize("the_law", [LAW, HardWall()])
