@@ -5,7 +5,7 @@ import pytest
 
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
-from contact_study.physics.process_zone import longest_range, sphere_pull_off, tabor_parameter
+from contact_study.physics.process_zone import sphere_pull_off
 from contact_study.study.study import make_study
 from theory import references as reference
 
@@ -28,23 +28,21 @@ ALONG = {"kind": "transversely_isotropic", "axial_modulus": "16 MPa", "axial_poi
 WAVES = 0.5 * ((2 * np.pi / 20e-6) ** 2 + (4 * np.pi / 20e-6) ** 2) * 1e-6 / 2  # <cos² cos²> is a quarter
 
 
-@pytest.mark.parametrize(
-    ("surface", "elasticity", "radius"),
-    [(SPHERE, {}, 1e-4), (WAVE, {}, 1 / WAVES), (SPHERE, ALONG | {"axial_shear_modulus": "5 MPa"}, 1e-4)],
-)
-def test_the_tabor_parameter_of_the_rms_curvature_is_three(surface, elasticity, radius):
-    study, (one,) = case(surface, elasticity=elasticity)
-    assert (one.solid.contact_modulus > 2 * MODULUS) == bool(elasticity)
-    tabor = reference.tabor_parameter(radius, one.solid.contact_modulus, WORK, one.law.length)
-    assert 3 <= tabor < 3.3  # two digits, rounded down
-    assert one.interaction.length == one.law.length
-    assert study.choices == (
-        f'range of adhesion (interaction.length = "auto"): {length(one.law.length)}, the longest of a Tabor parameter '
-        f"above 3; Tabor parameter {tabor:.2g}: JKR-like",
-    )
-
-
-def test_the_range_is_a_tenth_of_the_rms_height_at_most():
+def test_the_tabor_parameter_is_three_or_the_range_a_tenth_of_the_rms_height():
+    for surface, elasticity, radius in (
+        *((SPHERE, {}, 1e-4), (WAVE, {}, 1 / WAVES)),
+        (SPHERE, ALONG | {"axial_shear_modulus": "5 MPa"}, 1e-4),
+    ):
+        study, (one,) = case(surface, elasticity=elasticity)
+        assert (one.solid.contact_modulus > 2 * MODULUS) == bool(elasticity)
+        tabor = reference.tabor_parameter(radius, one.solid.contact_modulus, WORK, one.law.length)
+        assert 3 <= tabor < 3.3  # two digits, rounded down
+        assert float(f"{one.law.length:.2g}") == pytest.approx(one.law.length, abs=0, rel=1e-12)
+        assert one.interaction.length == one.law.length
+        assert study.choices == (
+            f'range of adhesion (interaction.length = "auto"): {length(one.law.length)}, the longest of a Tabor '
+            f"parameter above 3; Tabor parameter {tabor:.2g}: JKR-like",
+        )
     study, (one,) = case(WAVE | {"amplitude": "0.1 um"})
     assert one.law.length == pytest.approx(5e-9, abs=0, rel=1e-9)
     assert "a tenth of the rms height; Tabor parameter" in study.choices[0]
@@ -63,9 +61,8 @@ def test_each_point_of_a_sweep_has_its_own():
     assert len(study.choices) == 1
 
 
-@pytest.mark.parametrize(
-    ("surface", "keys", "culprit"),
-    [
+def test_what_cannot_be_chosen():
+    for surface, keys, culprit in (
         ({"kind": "flat", "size": 1e-6, "shape": [8, 8]}, {}, "a flat surface has no curvature"),
         (SPHERE, {"law": "hard_wall"}, "does not attract"),
         (SPHERE, {"work_of_adhesion": "1 N"}, "interaction.work_of_adhesion"),
@@ -77,12 +74,10 @@ def test_each_point_of_a_sweep_has_its_own():
         ),
         (SPHERE, {"sweep": {"interaction.length": ["auto", 1e-9]}, "length": None}, "no number to sweep over"),
         (WAVE, {"material": MATERIAL | {"youngs_modulus": "70 GPa"}}, "not soft.*below atomic distances.*give the le"),
-    ],
-)
-def test_what_cannot_be_chosen(surface, keys, culprit):
-    with pytest.raises(InputError, match=culprit) as failure:
-        case(surface, **keys)
-    assert "\n" not in str(failure.value)
+    ):
+        with pytest.raises(InputError, match=culprit) as failure:
+            case(surface, **keys)
+        assert "\n" not in str(failure.value)
 
 
 def test_the_pull_off_of_a_sphere_is_that_of_maugis():
@@ -92,10 +87,3 @@ def test_the_pull_off_of_a_sphere_is_that_of_maugis():
         assert reference.maugis_parameter(1, 1, 1, tension) == pytest.approx(parameter, abs=0, rel=1e-12)
         exact = reference.maugis_dugdale_pull_off(parameter)
         assert sphere_pull_off(1, 1, 1, tension) == pytest.approx(exact, abs=0, rel=0.02)
-
-
-def test_rounding_is_downwards():
-    for scale in np.geomspace(1, 10, 23):
-        found = longest_range(scale * 1e6, 1e-3, 1e7, 0.1)
-        assert 3 <= tabor_parameter(1 / (scale * 1e6), 1e7, 0.1, found) < 3.31
-        assert float(f"{found:.2g}") == pytest.approx(found, abs=0, rel=1e-12)

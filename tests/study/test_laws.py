@@ -100,13 +100,10 @@ def test_a_core_vanishes_into_the_wall_in_first_order(kind):
     assert errors[0] < 0.02 * wall.peak_tensile_stress
 
 
-def test_dugdales_tension_is_constant_up_to_its_reach():
+def test_dugdales_tension_is_constant_up_to_its_reach_and_repulsion_alone_is_half_of_the_9_3_law():
     tension = laws.Dugdale(0.69, R0).traction(R0 * np.array([0, 1 - 2.2 * 0.05, 1, 1 + 2.2 * 0.05])) * R0 / 0.69
     # ln(1 + e^(1/ramp)) is 1/ramp to e^(−1/ramp), 2e-9.
     assert tension == pytest.approx([1, 1 / (1 + np.exp(-2.2)), 0.5, 1 / (1 + np.exp(2.2))], rel=1e-7)
-
-
-def test_repulsion_alone_is_half_of_the_9_3_law():
     law, whole = EVERY_LAW["repulsive"], LennardJones93(0.69, R0)
     inside, outside = R0 * np.linspace(0.5, 1, 20, endpoint=False), R0 * np.linspace(1, 5, 20)
     for name, beyond in (("traction", 0), ("stiffness", 0), ("potential", 0.69)):

@@ -75,23 +75,19 @@ def test_bare_tables_are_told_their_size_and_unit(tmp_path, name):
         assert "holds one map" in refused(path, channel="retrace", size=SIZE)
 
 
-@pytest.mark.parametrize(
-    ("turn", "dims", "given"),
-    [
+def test_dimensions_and_directions_of_coordinates(tmp_path):
+    for turn, dims, given in (
         (lambda h: h[::-1, ::-1], ("y", "x"), {"y": AXES["y"][::-1], "x": AXES["x"][::-1]}),
         (lambda h: h[:, ::-1].T, ("x", "y"), {"y": AXES["y"], "x": AXES["x"][::-1]}),
         (lambda h: h.T, ("u", "v"), {"u": AXES["x"], "v": AXES["y"], "names": {"u": "X", "v": "Y"}}),
         # Three decimals, and single precision.
         (lambda h: h, ("y", "x"), {"y": AXES["y"], "x": np.round(AXES["x"] / 3, 3).astype(np.float32)}),
         (lambda h: h.T, ("x", "y"), {}),
-    ],
-    ids=["both", "turned", "axes", "rounded", "bare"],
-)
-def test_dimensions_and_directions_of_coordinates(tmp_path, turn, dims, given):
-    path = netcdf(tmp_path / "map.nc", turn(HEIGHTS), dims, **given)
-    thirds = given and given.get("x", POINTS).dtype == np.float32
-    size = (6e-6, 8e-6 / 3) if thirds else SIZE
-    taken(path, size, rounded=1e-3 if thirds else 1e-12, **({} if given else {"size": SIZE}))
+    ):
+        path = netcdf(tmp_path / "map.nc", turn(HEIGHTS), dims, **given)
+        thirds = given and given.get("x", POINTS).dtype == np.float32
+        size = (6e-6, 8e-6 / 3) if thirds else SIZE
+        taken(path, size, rounded=1e-3 if thirds else 1e-12, **({} if given else {"size": SIZE}))
 
 
 def test_uneven_coordinates_and_those_without_a_unit(tmp_path):
@@ -179,65 +175,21 @@ def test_several_maps_leave_a_choice(tmp_path, name):
         assert f"surface.channel = {channel!r}" in refused(path, channel=channel, **keys)
 
 
-@pytest.mark.parametrize(
-    ("content", "culprit"),
-    [
+def test_unusable_height_maps_and_what_is_no_map(tmp_path):
+    for content, culprit in (
         (None, "does not exist"),
         (400, "cannot be read"),  # of a truncated NetCDF file
         (np.full((8, 8), np.nan), "no finite numbers: all of its heights are missing"),
         (np.zeros(8), "line scan (8 points)"),
         (np.ones((8, 8)) * 1j, "holds complex numbers; expected heights"),
-    ],
-)
-def test_unusable_height_maps(tmp_path, content, culprit):
-    path = tmp_path / ("map.nc" if isinstance(content, int) else "map.npy")
-    if isinstance(content, int):
-        path.write_bytes(netcdf(path).read_bytes()[:content])
-    elif content is not None:
-        np.save(path, content)
-    assert culprit in (line := refused(path))
-    assert str(path) in line
-
-
-NUMBER = f"{HEIGHTS[3, 2]:.3f}"
-
-
-def table(separator, decimal=".", end=""):
-    rows = (separator.join(f"{value:.3f}" for value in row) + end for row in HEIGHTS)
-    return "\n".join(rows).replace(".", decimal) + "\n"
-
-
-@pytest.mark.parametrize(
-    ("separator", "decimal", "end"),
-    [(",", ".", ""), (",", ".", ","), (";", ",", ";"), ("\t", ",", ""), (", ", ",", ",")],
-)
-def test_what_parts_the_numbers_and_their_decimal_sign(tmp_path, separator, decimal, end):
-    (tmp_path / "map.csv").write_text("# of a profiler\n" + table(separator, decimal, end))
-    taken(tmp_path / "map.csv", height_unit="nm", size=SIZE)
-    if not separator.isspace():  # an empty cell is a missing height
-        (tmp_path / "map.csv").write_text(table(separator, decimal, end).replace(NUMBER.replace(".", decimal), ""))
-        missing = np.argwhere(np.isnan(read_height_map(tmp_path / "map.csv", size=SIZE).heights))
-        np.testing.assert_array_equal(missing, [[3, 2]])
-
-
-UM = "# Lateral units: um\n# Value units: nm\n"
-
-
-@pytest.mark.parametrize(
-    ("head", "separator"),
-    [("", ","), ("x,y,z\n", ";"), ("X[um] Y[um] Z[nm]\n", " "), ("X (um); Y (um); Z (nm)\n", " "), (UM, "\t")],
-)
-def test_three_columns_are_points(tmp_path, head, separator):
-    rows = "\n".join(separator.join(f"{value:.3f}" for value in row) for row in POINTS[::-1])
-    (tmp_path / "map.txt").write_text(head + rows)
-    if "nm" in head:
-        assert taken(tmp_path / "map.txt") == "nm, its file"
-    else:
-        taken(tmp_path / "map.txt", height_unit="nm", lateral_unit="um")
-        assert "missing key surface.lateral_unit" in refused(tmp_path / "map.txt", height_unit="nm")
-
-
-def test_what_is_no_map_is_named(tmp_path):
+    ):
+        path = tmp_path / ("map.nc" if isinstance(content, int) else "map.npy")
+        if isinstance(content, int):
+            path.write_bytes(netcdf(path).read_bytes()[:content])
+        elif content is not None:
+            np.save(path, content)
+        assert culprit in (line := refused(path))
+        assert str(path) in line
     for text, words in (
         ("", "surface.path: {path} holds no numbers"),
         ("# Width: 1 um\n# Height: 1 um\n", "{path} holds no numbers"),
@@ -254,6 +206,42 @@ def test_what_is_no_map_is_named(tmp_path):
         (tmp_path / "map.txt").write_text(text)
         keys = {} if "shape" in words else {"size": SIZE}
         assert words.format(path=tmp_path / "map.txt") in refused(tmp_path / "map.txt", **keys)
+
+
+NUMBER = f"{HEIGHTS[3, 2]:.3f}"
+
+
+def table(separator, decimal=".", end=""):
+    rows = (separator.join(f"{value:.3f}" for value in row) + end for row in HEIGHTS)
+    return "\n".join(rows).replace(".", decimal) + "\n"
+
+
+def test_what_parts_the_numbers_and_their_decimal_sign(tmp_path):
+    for separator, decimal, end in (
+        *((",", ".", ""), (",", ".", ","), (";", ",", ";")),
+        *(("\t", ",", ""), (", ", ",", ",")),
+    ):
+        (tmp_path / "map.csv").write_text("# of a profiler\n" + table(separator, decimal, end))
+        taken(tmp_path / "map.csv", height_unit="nm", size=SIZE)
+        if not separator.isspace():  # an empty cell is a missing height
+            (tmp_path / "map.csv").write_text(table(separator, decimal, end).replace(NUMBER.replace(".", decimal), ""))
+            missing = np.argwhere(np.isnan(read_height_map(tmp_path / "map.csv", size=SIZE).heights))
+            np.testing.assert_array_equal(missing, [[3, 2]])
+
+
+UM = "# Lateral units: um\n# Value units: nm\n"
+
+
+def test_three_columns_are_points(tmp_path):
+    spaced, brackets = ("X[um] Y[um] Z[nm]\n", " "), ("X (um); Y (um); Z (nm)\n", " ")
+    for head, separator in (("", ","), ("x,y,z\n", ";"), spaced, brackets, (UM, "\t")):
+        rows = "\n".join(separator.join(f"{value:.3f}" for value in row) for row in POINTS[::-1])
+        (tmp_path / "map.txt").write_text(head + rows)
+        if "nm" in head:
+            assert taken(tmp_path / "map.txt") == "nm, its file"
+        else:
+            taken(tmp_path / "map.txt", height_unit="nm", lateral_unit="um")
+            assert "missing key surface.lateral_unit" in refused(tmp_path / "map.txt", height_unit="nm")
 
 
 @pytest.mark.parametrize("name", ["map.npy.gz", "map.csv.GZ"])

@@ -86,19 +86,11 @@ def test_missing_heights_outside_the_crop_do_not_matter(tilted):
     assert (whole.filled, surface(tilted, fill="harmonic").roughness.filled) == (0.0, pytest.approx(1 / 720))
 
 
-def test_a_plane_is_fitted_to_what_was_measured(tilted):
+def test_a_plane_or_a_bowl_is_taken_away(tilted):
     left = [surface(tilted, detrend=how).rms_height for how in ("mean", "tilt", "curvature")]
     assert left[0] > 1.5 * left[1] > 3 * left[2]
     # The waves that are left correlate a little with a plane and a bowl.
     assert left[2] == pytest.approx(1e-9, abs=0, rel=0.2)
-    heights = np.load(tilted / "map.npy")
-    plane = 3e-9 * np.arange(24)[:, None] - 2e-9 * np.arange(30)[None, :]
-    heights[:8, :8] = np.nan
-    left = []
-    for more in (0, 5 * plane):
-        np.save(tilted / "map.npy", heights + more)
-        left.append(surface(tilted, detrend="tilt", fill="harmonic").sampled)
-    np.testing.assert_allclose(left[0], left[1], atol=1e-18)  # rounding of 1e-6
 
 
 COEFFICIENT = st.floats(-3, 3)

@@ -26,38 +26,29 @@ def notes_of(**sections):
     return review(make_study(table_of(**sections)))
 
 
-@pytest.mark.parametrize(
-    ("material", "law", "rms_height", "path"),
-    [
+def test_soft_and_weak_laws_pass_without_a_word():
+    for material, law, rms_height, path in (
         # Rubber with an atomic law, and a micrometre's reach.
         ({"youngs_modulus": "2 MPa", "poissons_ratio": 0.5}, ("0.05 J/m^2", "0.3 nm", "0.4 nm"), "1 um", ["100 kPa"]),
         ({"youngs_modulus": "1 GPa"}, ("1 mJ/m^2", "1 um", "1.2 um"), "0.01 um", ["10 Pa"]),
-    ],
-)
-def test_soft_and_weak_laws_pass_without_a_word(material, law, rms_height, path):
-    interaction = dict(zip(("work_of_adhesion", "length", "contact_distance"), law, strict=True))
-    surface = {"size": "100 um", "rms_height": rms_height}
-    assert notes_of(material=material, interaction=interaction, surface=surface, loading={"path": path}) == []
+    ):
+        interaction = dict(zip(("work_of_adhesion", "length", "contact_distance"), law, strict=True))
+        surface = {"size": "100 um", "rms_height": rms_height}
+        assert notes_of(material=material, interaction=interaction, surface=surface, loading={"path": path}) == []
 
 
-def test_steep_surfaces_are_said():
+def test_steep_surfaces_are_said_and_absurd_numbers_refused_in_one_line():
     table = table_of() | {"sweep": {"surface.rms_height": ["10 angstrom", "50 angstrom", "100 angstrom"]}}
     (note,) = review(make_study(table))
     assert "rms slope 2.62 (2 of 3 points of the sweep" in note
-
-
-@pytest.mark.parametrize(
-    ("sections", "culprit"),
-    [
+    for sections, culprit in (
         ({"surface": {"size": "10.4 nm", "rms_height": "200 m"}}, "surface.rms_height"),
         ({"surface": {"kind": "sphere", "radius": "0.01 nm"}}, "surface.radius"),
         ({"loading": {"path": ["1e30 Pa"]}}, "interaction"),
-    ],
-)
-def test_absurd_numbers_are_refused_in_one_line(sections, culprit):
-    with pytest.raises(InputError, match=culprit) as failure:
-        notes_of(**sections)
-    assert "\n" not in str(failure.value)
+    ):
+        with pytest.raises(InputError, match=culprit) as failure:
+            notes_of(**sections)
+        assert "\n" not in str(failure.value)
 
 
 def test_weak_laws_are_said():
@@ -98,18 +89,11 @@ def test_a_load_above_the_contact_modulus_is_named():
     assert not any("loading.path" in line for line in notes_of(loading={"path": ["90 GPa"]}))
 
 
-def test_keys_without_effect_on_a_wall_are_said():
+def test_keys_without_effect_are_said():
     (note,) = notes_of(interaction={"law": "hard_wall"})
     assert note.startswith("interaction.well_depth, interaction.length, interaction.contact_distance: without effect")
     assert review(make_study(table_of() | {"interaction": {"law": "hard_wall"}})) == []
-
-
-VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxation_times": [1.0]}
-
-
-@pytest.mark.parametrize(
-    ("idle", "used", "words"),
-    [
+    for idle, used, words in (
         (
             {"loading": {"adaptive": True}, "interaction": {"law": "hard_wall"}},
             {"loading": {"adaptive": True}},
@@ -126,13 +110,14 @@ VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxati
             {"loading": {"time_steps": 5, "duration": 1.0}, "elasticity": VISCOELASTIC},
             'loading.time_steps: without effect; it belongs to elasticity.kind = "viscoelastic"',
         ),
-    ],
-)
-def test_keys_of_the_loading_without_effect_are_said(idle, used, words):
-    # Those of the interaction have no effect on the wall either.
-    (note,) = (note for note in notes_of(**idle) if not note.startswith("interaction."))
-    assert note == words
-    assert notes_of(**used) == []
+    ):
+        # Those of the interaction have no effect on the wall either.
+        (note,) = (note for note in notes_of(**idle) if not note.startswith("interaction."))
+        assert note == words
+        assert notes_of(**used) == []
+
+
+VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxation_times": [1.0]}
 
 
 def tabulated(low, high, modulus, **keys):

@@ -42,7 +42,7 @@ def read(tmp_path, table, keys=()):
     return read_study(tmp_path / "study.toml", dict(keys))
 
 
-def test_quantities_are_si():
+def test_quantities_are_si_also_in_lists_as_people_type_them():
     (case,) = make_study(changed("loading", path="0.1 GPa, 1 GPa")).cases
     # Each to rounding: a conversion is one multiplication.
     np.testing.assert_allclose(case.surface.size, (104e-9, 104e-9), rtol=1e-15)
@@ -53,6 +53,17 @@ def test_quantities_are_si():
     # The most waves that 8 x 64 points carry, along each axis on its own.
     surface = {"kind": "wavy", "amplitude": "1 nm", "modes": [3, 31], "shape": [8, 64], "size": ["13 nm", "104 nm"]}
     assert make_study(changed("surface", **surface)).cases[0].surface.modes == (3, 31)
+    for section, name, written, value in (
+        ("surface", "size", "104 nm, 0.052 um", (1.04e-7, 5.2e-8)),
+        ("surface", "shape", " 128 , 96 ", (128, 96)),
+        ("output", "pressure_range", "-1 GPa, 20 GPa", (-1e9, 2e10)),
+        ("loading", "path", ["0.1 GPa", "2e8 Pa"], (1e8, 2e8)),
+        ("loading", "path", "-1e3, 2e5, 3", (-1e3, 2e5, 3.0)),
+        ("loading", "path", -1e3, (-1e3,)),
+    ):
+        (case,) = make_study(changed(section, **{name: written})).cases
+        # Each to the rounding of a conversion.
+        np.testing.assert_allclose(getattr(getattr(case, section), name), value, rtol=1e-12)
 
 
 def test_work_of_adhesion_is_that_of_the_pairs_of_atoms():
@@ -87,7 +98,7 @@ def test_sweep_expands_with_the_last_key_fastest():
 SWEPT = changed("sweep", **{"interaction.well_depth_ratio": [1, 4]})
 
 
-def test_the_command_line_sweeps_by_lists_and_replaces_sweeps(tmp_path):
+def test_the_command_line_sweeps_by_lists_where_a_key_takes_one_value(tmp_path):
     for section, name, written, values in (
         ("surface", "seed", "1,2, 5", (1, 2, 5)),
         ("interaction", "well_depth_ratio", 7, (7.0,)),
@@ -96,9 +107,6 @@ def test_the_command_line_sweeps_by_lists_and_replaces_sweeps(tmp_path):
         study = read(tmp_path, SWEPT, {f"{section}.{name}": written})
         assert study.sweep[name].values == values
         assert {getattr(getattr(case, section), name) for case in study.cases} == set(values)
-
-
-def test_lists_of_keys_that_take_them_are_no_sweeps_and_others_are_refused(tmp_path):
     study = read(tmp_path, TABLE, {"loading.path": "1 MPa, 2 MPa", "surface.shape": "32, 32"})
     assert not study.sweep
     assert [value for value, _ in study.cases[0].path] == pytest.approx([1e6, 2e6])
@@ -111,16 +119,13 @@ def test_lists_of_keys_that_take_them_are_no_sweeps_and_others_are_refused(tmp_p
             read(tmp_path, TABLE, {key: value})
 
 
-def test_exceptions_match_however_the_value_is_written():
+def test_exceptions_match_however_written_or_are_noted_and_the_command_line_has_the_last_word(tmp_path):
     size = {"surface.size": [1.04e-7, "1040 angstrom"], "surface.hurst_exponent": 0.8}
     for written, others in ((4, {}), (4.0, {"surface.size": "104 nm"}), ("4", size)):
         exception = {"when": {"interaction.well_depth_ratio": written, **others}, "loading.path": ["2 GPa"]}
         study = make_study(SWEPT | {"override": [exception]})
         assert [len(case.path) for case in study.cases] == [2, 1]
         assert study.notes == ()
-
-
-def test_exceptions_without_a_point_are_noted_and_the_command_line_has_the_last_word(tmp_path):
     (note,) = make_study(SWEPT | {"override": [{"when": {"surface.seed": 2}, "loading.path": ["2 GPa"]}]}).notes
     assert "surface.seed = 2" in note
     exception = {"when": {"interaction.well_depth_ratio": 4}, "loading.path": ["2 GPa"]}
@@ -213,23 +218,6 @@ def test_a_gap_that_is_none_is_for_driven_blocks(model):
         model.check(make_study(table | {"atomistic": {"method": "dynamics"}}).cases[0])
 
 
-@pytest.mark.parametrize(
-    ("section", "name", "written", "value"),
-    [
-        ("surface", "size", "104 nm, 0.052 um", (1.04e-7, 5.2e-8)),
-        ("surface", "shape", " 128 , 96 ", (128, 96)),
-        ("output", "pressure_range", "-1 GPa, 20 GPa", (-1e9, 2e10)),
-        ("loading", "path", ["0.1 GPa", "2e8 Pa"], (1e8, 2e8)),
-        ("loading", "path", "-1e3, 2e5, 3", (-1e3, 2e5, 3.0)),
-        ("loading", "path", -1e3, (-1e3,)),
-    ],
-)
-def test_lists_as_people_type_them(section, name, written, value):
-    (case,) = make_study(changed(section, **{name: written})).cases
-    # Each to the rounding of a conversion.
-    np.testing.assert_allclose(getattr(getattr(case, section), name), value, rtol=1e-12)
-
-
 def test_hard_wall_needs_neither_adhesion_nor_tension():
     table = changed("study") | {"interaction": {"law": "hard_wall", "work_of_adhesion": 0.69}}
     assert make_study(table).cases[0].work_of_adhesion == 0.0
@@ -255,23 +243,17 @@ def test_a_lattice_that_does_not_fit_the_cell_is_told_of_one_that_does():
     assert lattice_of((62.4e-10, 62.4e-10), 2.496e-10).atoms == (25, 25)
 
 
-@pytest.mark.parametrize(
-    ("section", "keys", "said"),
-    [
+def test_bare_numbers_are_named_with_the_unit_they_are_taken_in_three_at_most(tmp_path):
+    for section, keys, said in (
         ("material", {"youngs_modulus": 2}, "material.youngs_modulus = 2 is 2 Pa;"),
         ("surface", {"size": [1.04e-7, 2.08e-7]}, "surface.size = 1.04e-07 is 1.04e-07 m;"),
         ("loading", {"path": [1, 2]}, "loading.path = 1 is 1 Pa;"),
         ("loading", {"path": [0, 1e-9], "control": "gap"}, "loading.path = 1e-09 is 1e-09 m;"),
         ("sweep", {"material.youngs_modulus": [1, 2]}, "youngs_modulus = 1 is 1 Pa;"),
-    ],
-)
-def test_bare_numbers_are_named_with_the_unit_they_are_taken_in(tmp_path, section, keys, said):
-    (line,) = read(tmp_path, changed(section, **keys)).notes
-    assert line.startswith("numbers without a unit are taken in SI: ")
-    assert said in line
-
-
-def test_units_zero_and_numbers_from_python_need_no_word_and_of_many_three_are_shown(tmp_path):
+    ):
+        (line,) = read(tmp_path, changed(section, **keys)).notes
+        assert line.startswith("numbers without a unit are taken in SI: ")
+        assert said in line
     swept = changed("sweep", **{"surface.seed": [1, 2], "surface.rms_height": ["1 nm", "2 nm"]})
     assert read(tmp_path, swept).notes == read(tmp_path, changed("loading", control="gap", path=[0])).notes == ()
     assert make_study(changed("loading", path=[1e6])).notes == ()

@@ -83,10 +83,13 @@ def test_detachment_stress_of_perssons_theory_fits_and_nothing_beyond_full_conta
     assert bins_of(make_study(table)).pressure_edges[0] > -cracks
 
 
-def test_seeds_have_the_same_bins():
+def test_seeds_have_the_same_bins_and_given_ranges_are_kept():
     one, other = (bins_of(make_study(changed("sweep", **{"surface.seed": seeds}))) for seeds in ([1], [3, 4]))
     np.testing.assert_array_equal(other.pressure_edges, one.pressure_edges)
     np.testing.assert_array_equal(other.gap_edges, one.gap_edges)
+    bins, _ = chosen(pressure_range=["-1 GPa", "3 GPa"], pressure_bins=8, gap_range=["0 nm", "2 nm"], gap_bins=4)
+    np.testing.assert_allclose(bins.pressure_edges, np.linspace(-1e9, 3e9, 9))
+    assert bins.gap == pytest.approx([0.25e-9, 0.75e-9, 1.25e-9, 1.75e-9], rel=1e-12, abs=0)
 
 
 def test_surfaces_fit_into_the_bins():
@@ -103,29 +106,26 @@ def test_surfaces_fit_into_the_bins():
     assert np.count_nonzero(extreme > 0.4 * scale.peak_to_valley) >= 12
 
 
-@pytest.mark.parametrize(
-    ("surface", "error"),
-    [
+def test_scales_of_other_surfaces_are_theirs():
+    for surface, error in (
         ({"kind": "wavy", "amplitude": "1 nm", "modes": [2, 3]}, 1e-12),
         # Sums over 256 points are the integrals to the square of their distance.
         ({"kind": "sphere", "radius": "50 nm", "shape": [256, 256]}, 1e-4),
         ({"kind": "flat"}, 0),
-    ],
-)
-def test_scales_of_other_surfaces_are_theirs(surface, error):
-    study = make_study(changed("surface", size=["104 nm", "52 nm"], **surface))
-    (scale,) = study.scales
-    heights = realise(study.cases[0]).heights(scale.shape)
-    assert scale.rms_height == pytest.approx(heights.std(), rel=error, abs=1e-30)
-    # Points beside the crests.
-    assert scale.peak_to_valley == pytest.approx(np.ptp(heights), abs=0, rel=max(error, 0.01))
-    slopes = np.gradient(heights, 104e-9 / scale.shape[0], 52e-9 / scale.shape[1])
-    # Differences of second order, one-sided at the rim.
-    assert scale.rms_slope == pytest.approx(np.sqrt(np.mean(np.square(slopes).sum(0))), rel=0.05, abs=1e-30)
-    assert scale.pixel == 104e-9 / scale.shape[0]
+    ):
+        study = make_study(changed("surface", size=["104 nm", "52 nm"], **surface))
+        (scale,) = study.scales
+        heights = realise(study.cases[0]).heights(scale.shape)
+        assert scale.rms_height == pytest.approx(heights.std(), rel=error, abs=1e-30)
+        # Points beside the crests.
+        assert scale.peak_to_valley == pytest.approx(np.ptp(heights), abs=0, rel=max(error, 0.01))
+        slopes = np.gradient(heights, 104e-9 / scale.shape[0], 52e-9 / scale.shape[1])
+        # Differences of second order, one-sided at the rim.
+        assert scale.rms_slope == pytest.approx(np.sqrt(np.mean(np.square(slopes).sum(0))), rel=0.05, abs=1e-30)
+        assert scale.pixel == 104e-9 / scale.shape[0]
 
 
-def test_ranges_are_those_of_the_largest_values():
+def test_ranges_are_those_of_the_largest_values_also_on_a_wall_that_carries_nothing():
     """Six deviations of the full-contact stress beside pressure and peak; heights, contact and prescribed gaps."""
     table = changed("loading", path=["1 GPa", "200 GPa"])
     study = make_study(table)
@@ -141,9 +141,6 @@ def test_ranges_are_those_of_the_largest_values():
     bins = bins_of(make_study(table))
     assert 0 <= bins.gap_edges[-1] - (widest + 30e-9) <= 0.1 * (widest + 30e-9)
     assert bins.pressure_edges[-1] < 0.5 * highest  # 30 nm are no pressure
-
-
-def test_bins_of_a_wall_that_carries_nothing():
     table = changed("surface", kind="flat")
     table["interaction"] = {"law": "hard_wall"}
     table["loading"] = {"control": "gap", "path": [0.0, 1e-9]}
@@ -151,9 +148,3 @@ def test_bins_of_a_wall_that_carries_nothing():
     assert np.all(np.isfinite(bins.pressure_edges))
     assert bins.pressure_edges[0] < 0 < bins.pressure_edges[-1]
     assert bins.gap_edges[-1] >= 1e-9
-
-
-def test_given_ranges_are_kept():
-    bins, _ = chosen(pressure_range=["-1 GPa", "3 GPa"], pressure_bins=8, gap_range=["0 nm", "2 nm"], gap_bins=4)
-    np.testing.assert_allclose(bins.pressure_edges, np.linspace(-1e9, 3e9, 9))
-    assert bins.gap == pytest.approx([0.25e-9, 0.75e-9, 1.25e-9, 1.75e-9], rel=1e-12, abs=0)

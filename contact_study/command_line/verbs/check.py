@@ -20,7 +20,6 @@ END = epilog("bem-adhesion check study.toml", "bem-adhesion check study.toml --m
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     add = parser.add_argument
     add("study", type=Path, metavar="STUDY.toml", help="study file")
     add("--model", choices=MODELS, metavar="NAME", help="continuum, atoms or theory; default: all that can run it")

@@ -18,7 +18,6 @@ END = epilog(
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     add = parser.add_argument
     add("datasets", type=Path, nargs="+", metavar="FILE.nc", help="datasets of one contact; one alone is reported on")
     add(
@@ -35,7 +34,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> int:
-    """Compare."""
     from contact_study.campaign.store.files import named_file, real
     from contact_study.inputs import units
 

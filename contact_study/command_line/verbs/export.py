@@ -26,7 +26,6 @@ END = epilog(
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument("file", type=Path, metavar="FILE.nc", help="dataset of a run")
     forms = parser.add_mutually_exclusive_group(required=True)
     for word, (_, words) in _FORMATS.items():
@@ -37,7 +36,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> int:
-    """Write."""
     import contact_study
     from contact_study.campaign.store.files import named_file, writable_output, write_aside
 

@@ -13,7 +13,6 @@ END = epilog("bem-adhesion init", "bem-adhesion init rubber", "bem-adhesion init
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     name = parser.add_argument("name", nargs="?", metavar="NAME", help="example; without it all are listed")
     name.completer = lambda **_: example_names()  # type: ignore[attr-defined]
     parser.add_argument("-o", "--output", metavar="FILE", help="study file to write, default: NAME.toml; - prints it")
@@ -21,7 +20,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> int:
-    """Write or list."""
     from contact_study.campaign.store.files import named_file, writable_output, write_aside
 
     if given.name is None:

@@ -26,7 +26,6 @@ _PICTURE = 1024
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument("file", type=Path, metavar="FILE", help="height map, or study file (.toml)")
     parser.add_argument("-o", "--output", metavar="PICTURE", help="figure to write; default: FILE.inspect.png")
     words = "size, height_unit, fill ...; see `bem-adhesion keys surface --kind file`"

@@ -13,14 +13,12 @@ _LONG = 24  # characters of the words that a key takes, beyond which they follow
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     section = parser.add_argument("section", nargs="?", metavar="SECTION", help="section, or one section.key")
     section.completer = lambda **_: list(_sections())  # type: ignore[attr-defined]
     parser.add_argument("--kind", metavar="KIND", help="only keys that this kind, or law, reads")
 
 
 def run(given: argparse.Namespace) -> int:
-    """List sections, or the keys of one."""
     from contact_study.inputs import plugins
     from contact_study.study.schema.dotted_keys import all_keys
     from contact_study.study.schema.keys import TaggedUnion, as_written, default_of, keys_of, suggestion

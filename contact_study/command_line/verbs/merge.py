@@ -15,7 +15,6 @@ END = epilog(
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     add = parser.add_argument
     add("datasets", type=Path, nargs="+", metavar="PART.nc", help="datasets of one model, version and study")
     add("-o", "--output", required=True, metavar="OUT.nc", help="dataset to write")
@@ -25,7 +24,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> int:
-    """Merge."""
     from contact_study.campaign.merge import merge
     from contact_study.campaign.progress import Progress
     from contact_study.campaign.store.files import named_file

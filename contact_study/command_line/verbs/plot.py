@@ -33,7 +33,6 @@ END = f"pictures:\n{_LIST}\n{epilog('bem-adhesion plot bem.nc', _ONE)}"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument("file", type=Path, metavar="FILE.nc", help="dataset of a run")
     parser.add_argument("picture", nargs="?", default="area", choices=PICTURES, metavar="PICTURE", help="default: area")
     parser.add_argument("-o", "--output", metavar="FILE", help="png, pdf or svg to write; default: FILE.PICTURE.png")
@@ -41,7 +40,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> int:
-    """Draw."""
     from matplotlib.figure import Figure
 
     from contact_study import plots

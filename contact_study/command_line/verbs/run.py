@@ -19,7 +19,6 @@ END = epilog(
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     add = parser.add_argument
     add("study", type=Path, metavar="STUDY.toml", help="study file")
     add("-o", "--output", required=True, metavar="FILE", help="dataset to write, .nc or .zarr")
@@ -35,7 +34,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> int:
-    """Run the study."""
     from contact_study.campaign import model as models
     from contact_study.campaign.progress import Progress
     from contact_study.campaign.run import RunOptions, run_campaign
