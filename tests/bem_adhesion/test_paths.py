@@ -42,10 +42,7 @@ def test_flat_surfaces_jump_in_for_their_work_of_adhesion_and_let_go_at_the_peak
 
 
 class Curve:
-    """A contact of given pressures and energies along its separation; it converges up to a step and a load.
-
-    ``steps`` are those that it was asked for.
-    """
+    """A contact of given pressures and energies along its separation; it converges up to a step and a load."""
 
     def __init__(self, pressure, energy, longest=np.inf, largest=np.inf, separation=lambda at: at):
         self.pressure, self.energy, self.separation = pressure, energy, separation

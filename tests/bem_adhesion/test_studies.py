@@ -266,35 +266,30 @@ SOFT_LAW = {"law": "exponential", "work_of_adhesion": 0.05, "contact_distance": 
 def test_a_grid_beyond_this_machine_is_not_proposed(tmp_path, monkeypatch, given):
     monkeypatch.setattr(memory, "_memory", lambda: 1e6 * 100.0)
     rough = {**SOFT["surface"], "cutoff_mode": 64, "shape": [448, 448]}
-    heights = realise(make_study(study_table(448, surface=rough)).cases[0]).sampled
-    np.save(tmp_path / "map.npy", heights)
+    np.save(tmp_path / "map.npy", realise(make_study(study_table(448, surface=rough)).cases[0]).sampled)
 
-    def notes(interaction, **surface):
-        keys = {"kind": "file", "path": "map.npy", "size": 1e-4, **surface}
-        study = make_study(
-            {"surface": keys, "material": SOFT["material"], "interaction": interaction, "loading": {"path": [1e4]}},
-            tmp_path,
-        )
+    def notes(length, **keys):
+        surface = {"kind": "file", "path": "map.npy", "size": 1e-4, **keys}
+        law = {"law": "exponential", "work_of_adhesion": 0.05, "length": length}
+        table = {"surface": surface, "material": SOFT["material"], "interaction": law, "loading": {"path": [1e4]}}
+        study = make_study(table, tmp_path)
         return [note for note in model.review(study, study.scales) if "process zone" in note]
 
-    law = {"law": "exponential", "work_of_adhesion": 0.05, "length": given}
-    (note,) = notes(law)
+    (note,) = notes(given)
     number = r'interaction\.length = "(\S+ \S+)"'
     assert re.search(rf"cannot be resolved here: {number} on surface\.shape = \[\d+, \d+\] needs \S+ [MG]B; ", note)
     part = rf"take a part of the surface of up to (\S+ \S+) with {number} and surface\.shape = (\[.*?\])"
     widest, length, shape = re.search(part, note).groups()
-    crop = [[0, quantity(widest, "m", "")]] * 2
-    assert notes(law | {"length": length}, crop=crop, shape=json.loads(shape)) == []
+    assert notes(length, crop=[[0, quantity(widest, "m", "")]] * 2, shape=json.loads(shape)) == []
     # What the grid at hand resolves, with its price.
     longer = quantity(re.search(rf"accept {number}", note)[1], "m", "")
-    assert notes(law | {"length": longer}) == []
-    assert notes(law | {"length": 0.95 * longer}) != []
+    assert notes(longer) == [] != notes(0.95 * longer)
     tabor, pull_off = map(float, re.search(r"Tabor parameter (\S+), a sphere's pull-off \+(\S+) %", note).groups())
     assert 0.5 < tabor < 3
     assert 1 < pull_off < 20
     # A part of a few points is no part of a rough surface, nor a range longer than it is high a way out.
     monkeypatch.setattr(memory, "_memory", lambda: 1e4 * 100.0)
-    assert "take a part" not in notes(law)[0]
+    assert "take a part" not in notes(given)[0]
     (note,) = review(64, surface={"size": 1e-3}, interaction={"length": 1e-9, "contact_distance": 1.2e-9})
     assert "cannot be resolved here" in note
     assert "accept" not in note

@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import norm
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, surface
+from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, self_affine, stepped
 
 pytestmark = pytest.mark.validation
 
@@ -33,13 +33,8 @@ LIMIT = norm.isf(0.01 / 2 / COMPARISONS)
 
 def load_and_unload(seed, ratio):
     """Solutions at PRESSURES and then back down to the first."""
-    rough = surface(256, seed)
-    contact = AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(ratio))
-    state, solutions = contact.separated(), []
-    for pressure in [*PRESSURES, *PRESSURES[-2::-1]]:
-        solutions.append(contact.step(state, pressure))
-        state = solutions[-1].displacement
-    return solutions
+    contact = AdhesiveContact(*self_affine(256, seed=seed), E_STAR, law(ratio))
+    return stepped(contact, [*PRESSURES, *PRESSURES[-2::-1]])
 
 
 @pytest.fixture(scope="module", params=[1, 4, 8])
