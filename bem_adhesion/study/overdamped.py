@@ -1,4 +1,4 @@
-"""A loading path in overdamped motion: implicit Euler steps of :mod:`contact_study.numerics.gradient_flow`.
+"""A loading path in overdamped motion: implicit Euler steps of :mod:`contact_study.results.overdamped_path`.
 
 A step is a minimum of the energy with springs of the stiffness η/τ at every point, by Newton steps on the finest grid.
 """
@@ -23,7 +23,7 @@ ACCURACY, REDUCTION = 0.05, 0.1
 
 
 class Moved(NamedTuple):
-    """A gap in motion, see :class:`contact_study.numerics.gradient_flow.Advance`."""
+    """A gap in motion, see :class:`contact_study.results.overdamped_path.Moving`."""
 
     state: np.ndarray
     solution: Solution
@@ -51,7 +51,7 @@ class OverdampedContact(AdhesiveContact):
         return super().separated() - self.height
 
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
-        """Return the gap after a time step; see :class:`contact_study.numerics.gradient_flow.Overdamped`."""
+        """Return the gap after a time step; see :class:`contact_study.results.overdamped_path.Moving`."""
         modulus, finest = self.elasticity.contact_modulus, self.levels.finest
         gap, pressure = self._scaled(state, load)
         stiffness = drag * self._length / modulus

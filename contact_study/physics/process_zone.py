@@ -10,9 +10,7 @@ import numpy as np
 from contact_study.inputs.units import length
 from contact_study.physics.laws import TractionLaw
 
-TOO_COARSE = "grid too coarse"
-"""First words of a warning."""
-
+TOO_COARSE = "grid too coarse"  # first words of a warning
 # Points per process zone E*Δγ/σ_max² from which a grid does not trap contact edges.
 POINTS_PER_PROCESS_ZONE = 4
 # With fewer points a load in one step and in slow motion ends in two states; the second has up to this share less

@@ -1,6 +1,6 @@
 """Paths at zero temperature: the minimum reached from the state before, or steepest descent against friction.
 
-A step of the descent, see :mod:`contact_study.numerics.gradient_flow`, is a minimum of the energy with springs of the
+A step of the descent, see :mod:`contact_study.results.overdamped_path`, is a minimum of the energy with springs of the
 stiffness η/τ that tie every atom to its former position.
 """
 
@@ -53,7 +53,7 @@ def equilibria(
 
 
 class Moved(NamedTuple):
-    """A state of the layer in motion, see :class:`contact_study.numerics.gradient_flow.Advance`."""
+    """A state of the layer in motion, see :class:`contact_study.results.overdamped_path.Moving`."""
 
     state: np.ndarray
     residual: float

@@ -12,9 +12,8 @@ from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.study.overdamped import OverdampedContact
 from bem_adhesion.study.paths import TimeState, steps_in_time
 from contact_study.campaign import worker
-from contact_study.numerics.gradient_flow import Status, at_rest, follow
 from contact_study.physics.solids import Viscoelastic
-from contact_study.results.overdamped_path import pace_of
+from contact_study.results.overdamped_path import Status, at_rest, follow, pace_of
 from contact_study.results.schema import TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study

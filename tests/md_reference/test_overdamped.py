@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.numerics.gradient_flow import Status, at_rest, follow
-from contact_study.results.overdamped_path import pace_of
+from contact_study.results.overdamped_path import Status, at_rest, follow, pace_of
 from contact_study.results.schema import TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study

@@ -1,6 +1,5 @@
 """Laws of exponentials: attraction outside a hard wall or with a repulsion in its place, and Morse's law."""
 
-from abc import abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -107,9 +106,9 @@ class CoredLaw(LawAtLength):
     core: float
 
     @property
-    @abstractmethod
     def _wall(self) -> TractionLaw:
         """The law with the wall, Δγ = 1."""
+        return Exponential(1.0, self.range)
 
     @cached_property
     def _attraction(self) -> TractionLaw:
@@ -168,10 +167,6 @@ class ExponentialCore(CoredLaw):
 
     title = "exponential with a core"
     words = "Attraction that fades exponentially, with an exponential core"
-
-    @property
-    def _wall(self) -> TractionLaw:
-        return Exponential(1.0, self.range)
 
     def _past_peak(self, order: int) -> float:
         """Solve e^(−x/ρ)/ρⁿ = e^(−x/c)/cⁿ: the peak for n = 1, the strongest softening for n = 2."""

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contact_study.numerics.gradient_flow import Instant, Status, StepControl, at_rest, follow
+from contact_study.results.overdamped_path import Instant, Status, StepControl, at_rest, follow
 
 PACE = StepControl(rate=1.0, first=0.01, allowed=1e-3, most=100_000)
 
