@@ -1,12 +1,11 @@
 """Criteria of stickiness, each as the work of adhesion over the one at which a rough surface begins to stick.
 
-They use the spectrum, the work of adhesion Δγ (J/m²) and the range Δr = Δγ/σ_max (m) of a law. A number for the
-elasticity is the contact modulus E* of a half-space (Pa).
+They use the spectrum, the work of adhesion Δγ (J/m²) and the range or reach Δr = Δγ/σ_max (m) of a law. A number for
+the elasticity is the contact modulus E* of a half-space (Pa).
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -16,21 +15,16 @@ from contact_study.numerics.arguments import positive
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
-from theory.datasets import dataset_of
+from theory.datasets import Dataset, dataset_of
 from theory.non_adhesive.closed_forms import low_pressure_asymptote
 from theory.non_adhesive.gap_distribution import attracted_at_light_load
 from theory.persson.theory import true_area_factor
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 _KAPPA = 2.0  # of light contact without adhesion, A = κ F/(E* h'), in simulations
 _HIGHEST = 10.0  # height of the bearing area in deviations: 1e-23 of the area lies beyond
 
 
-def persson_tosatti_ratio(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float
-) -> float:
+def persson_tosatti_ratio(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work: float) -> float:
     """Ratio Δγ S over the elastic energy of full contact, π ∫ K C q dq: above one full contact gains energy.
 
     B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001): Δγ A − U_el is the effective work of adhesion of a
@@ -38,11 +32,11 @@ def persson_tosatti_ratio(
     contact may stick below.
     """
     factor = float(true_area_factor(np.array(spectrum.rms_slope)))
-    return work_of_adhesion * factor / float(spectrum.full_contact_energy(elasticity_of(elasticity).stiffness))
+    return work * factor / float(spectrum.full_contact_energy(elasticity_of(elasticity).stiffness))
 
 
 def pastewka_robbins_ratio(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work: float, reach: float
 ) -> float:
     """Ratio of the tension at the edges of light contact to its load, π (3/16)^(2/3) κΔγ/(h'Δr E*) (4Δr/h'd)^(2/3).
 
@@ -51,35 +45,33 @@ def pastewka_robbins_ratio(
     contact patch, h'' the rms mean curvature. It holds for weak attraction of a range short against h'd, at contact of
     few per cent. Of a solid other than a half-space the modulus of its finest waves is taken.
     """
-    reach = positive("attraction_range", attraction_range, "m")
+    positive("attraction_range", reach, "m")
     finest = spectrum.limits[1]
     modulus = 2 * float(elasticity_of(elasticity).stiffness(np.array([finest]))[0]) / finest
     slope, curvature = spectrum.rms_slope, spectrum.rms_laplacian / 2
     patch = 4 * slope / curvature
     asked = slope * reach * modulus / _KAPPA * (slope * patch / (4 * reach)) ** (2 / 3)
-    return float(np.pi * (3 / 16) ** (2 / 3) * work_of_adhesion / asked)
+    return float(np.pi * (3 / 16) ** (2 / 3) * work / asked)
 
 
-def dmt_tension_ratio(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
-) -> float:
+def dmt_tension_ratio(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work: float, reach: float) -> float:
     """Ratio of the tension on the area within the range to the pressure of light contact, both of Persson's theory.
 
     This project's own criterion, for hard solids at small Tabor parameters. Adhesion does not deform the contact, as in
     the DMT limit: its tension is Δγ/Δr on the area out of contact and within Δr. G. Violano, L. Afferrante, A.
     Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, have another equation.
     """
-    return work_of_adhesion / attraction_range * attracted_at_light_load(spectrum, elasticity, attraction_range)
+    return work / reach * attracted_at_light_load(spectrum, elasticity, reach)
 
 
-def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_range: float) -> np.ndarray:
+def attracted_area(mean_gap: np.ndarray | float, rms_height: float, reach: float) -> np.ndarray:
     """Share of a Gaussian surface with a gap to a plane, ū above its mean, between zero and the range."""
     gap = np.asarray(mean_gap, dtype=float)
-    return ndtr(-(gap - attraction_range) / rms_height) - ndtr(-gap / rms_height)
+    return ndtr(-(gap - reach) / rms_height) - ndtr(-gap / rms_height)
 
 
 def bearing_area(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work: float, reach: float
 ) -> tuple[float, float]:
     """Δγ over the least one at which the bearing-area model pulls at some gap, and its lowest pressure (Pa) or zero.
 
@@ -89,15 +81,15 @@ def bearing_area(
     """
     decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
     height = float(np.sqrt(spectrum.mean_square_height))
-    reach = positive("attraction_range", attraction_range, "m")
+    positive("attraction_range", reach, "m")
 
     def pressure(gap: np.ndarray) -> np.ndarray:
-        return prefactor * np.exp(-gap / decay) - work_of_adhesion / reach * attracted_area(gap, height, reach)
+        return prefactor * np.exp(-gap / decay) - work / reach * attracted_area(gap, height, reach)
 
     def balance(gap: np.ndarray) -> np.ndarray:  # logarithm of the work of adhesion that balances the repulsion
         return np.log(prefactor * reach) - gap / decay - np.log(attracted_area(gap, height, reach))
 
-    ratio = float(work_of_adhesion / np.exp(_lowest(balance, height)))
+    ratio = float(work / np.exp(_lowest(balance, height)))
     return ratio, min(_lowest(pressure, height), 0.0)
 
 
@@ -115,10 +107,10 @@ def range_of(law: TractionLaw) -> float:
 
 
 def local_tabor_number(
-    wavevector: np.ndarray | float,
+    q: np.ndarray | float,
     spectrum: RoughnessSpectrum,
     elasticity: Elasticity | float,
-    work_of_adhesion: float,
+    work: float,
     length: float,
 ) -> np.ndarray:
     """μ = (R Δγ²/E*² z₀³)^(1/3) of the roughness up to a wavevector, whose curvature 1/R is half its rms Laplacian.
@@ -127,11 +119,11 @@ def local_tabor_number(
     and JKR-like above about 3. Of a solid other than a half-space the modulus of the waves is taken; z₀ (m) is that of
     :func:`range_of`. At the smallest wavevector, with no roughness yet, it is NaN.
     """
-    q = np.asarray(wavevector, dtype=float)
+    q = np.asarray(q, dtype=float)
     curvature = 0.5 * np.sqrt(2 * np.pi * spectrum.moment(5, upper=q))
     modulus = 2 * elasticity_of(elasticity).stiffness(q) / q
     rough = np.where(curvature > 0, curvature, np.nan)
-    return np.cbrt((work_of_adhesion / modulus) ** 2 / rough) / positive("length", length, "m")
+    return np.cbrt((work / modulus) ** 2 / rough) / positive("length", length, "m")
 
 
 @dataclass(frozen=True)
@@ -162,7 +154,7 @@ class StickinessCriteria:
         names = {"tabor_number": "finest_tabor_number", "bearing_area_pull_off": "bearing_area_pull_off"}
         return {names.get(name, f"{name}_ratio"): value for name, value in vars(self).items()}
 
-    def to_dataset(self) -> "xr.Dataset":
+    def to_dataset(self) -> Dataset:
         """Give the numbers in the schema of ``theory.nc``, as for :func:`contact_study.plots.criteria_map`."""
         return dataset_of((), self.quantities(), {})
 

@@ -8,7 +8,9 @@ import numpy as np
 from contact_study.results.schema import COORDINATES, LABELS, variable_of
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from xarray import Dataset
+else:  # slow to import
+    Dataset = "xarray.Dataset"
 
 _BINS = 400  # of a distribution by default
 
@@ -18,13 +20,13 @@ def dataset_of(
     quantities: Mapping[str, Any],
     bins: Mapping[str, tuple[np.ndarray | None, tuple[float, float]]],
     further: Mapping[str, np.ndarray] | None = None,
-) -> "xr.Dataset":
+) -> Dataset:
     """The dataset of one state.
 
     Quantities go by their names in the schema; distributions are functions from edges of bins to means, and ``bins``
     has their edges or None, and the range of even ones. ``further`` has other coordinates, such as ``wavevector``.
     """
-    import xarray as xr  # slow to import
+    import xarray as xr
 
     coordinates: dict[str, Any] = dict(zip(LABELS, labels, strict=False)) | dict(further or {})
     content = {}

@@ -1,5 +1,7 @@
 """States of the theories as datasets of the schema, beside those of a study; P(σ) at any magnification."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,9 @@ def test_the_local_theories_say_gaps_and_both_pressures(states, paper):
         mean = float((dataset.gap_pdf * dataset.gap_bin).sum() * width)
         assert mean == pytest.approx(state.mean_gap, rel=1e-3)  # 400 bins
         assert float(dataset.local_mean_pressure) == state.mean_traction != float(dataset.mean_pressure)
+        assert state.quantities()["converged"]
+        for lost in (0.999 * state.weights, np.roll(state.weights, 1)):  # area, and mean gap
+            assert not replace(state, weights=lost).quantities()["converged"]
         own = state.to_dataset()
         assert float(own.relative_repulsive_area) == state.fraction_below(3.28e-10)
         assert theory == "edge_flow" or own.metastable_branch == "loading"

@@ -157,8 +157,8 @@ def test_pull_off_is_the_lowest_pressure_of_a_curve_that_passes_it(flow):
 
 def test_kernel_without_a_cost_is_the_local_response(paper, monkeypatch):
     # κ = 1, whichever way it is said: s = 0 and t = 1, or a solid whose g is none. A pole alone softens the wave.
-    kernels = ({"kernel": (0.0, 1.0, 4.0)}, {"kernel": (0.0, 0.5, 4.0)}, {})
-    free, softer, costly = (at_1_gpa(paper, flow_of(paper, 0.25, 60, 16, **kernel))[0] for kernel in kernels)
+    kernels = (0.0, 1.0, 4.0), (0.0, 0.5, 4.0), (0.25, 0.0, 4.0)
+    free, softer, costly = (at_1_gpa(paper, flow_of(paper, 0.25, 60, 16, kernel=kernel))[0] for kernel in kernels)
     monkeypatch.setattr(edge_equilibrium, "modulation_cost", lambda solid, wavenumber: np.zeros_like(wavenumber))
     none = at_1_gpa(paper, flow_of(paper, 0.25, 60, 16))[0]
     assert free == pytest.approx(none, rel=1e-5)  # the tolerance of the sweeps and its share of the area

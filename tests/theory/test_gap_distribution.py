@@ -5,12 +5,10 @@ import pytest
 from scipy.special import erf
 
 from contact_study.physics.laws import Dugdale
-from theory import SelfAffineSpectrum, dmt_limit, gap_distribution
+from tests.theory.test_criteria import E_STAR, SPECTRUM
+from theory import dmt_limit, gap_distribution
 from theory.non_adhesive import closed_forms
 from theory.non_adhesive.gap_distribution import attracted_at_light_load
-
-E_STAR, Q = 93.7348e9, 6.0415e7
-SPECTRUM = SelfAffineSpectrum(0.8, 1e-9, Q, 3 * Q, 12 * Q)
 
 
 @pytest.fixture(scope="module", params=[True, False], ids=["regularised", "original"])

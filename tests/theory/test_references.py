@@ -61,7 +61,6 @@ def test_waves_close_and_snap_and_an_egg_box_has_its_limits():
     ("function", "arguments", "named"),
     [
         ("hertz_contact_radius", (-1e-9, 1e-6, 1e9), "force"),
-        ("hertz_contact_radius", (1e-9, 0.0, 1e9), "radius"),
         ("jkr_contact_radius", (-1.501e-6 * np.pi * 0.05, 1e-6, 1e9, 0.05), "force"),
         ("jkr_contact_radius", (0.0, 1e-6, 1e9, -0.05), "work_of_adhesion"),
         ("tabor_parameter", (1e-6, np.nan, 0.05, 3e-10), "contact_modulus"),

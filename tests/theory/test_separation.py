@@ -2,7 +2,6 @@
 
 import dataclasses
 from contextlib import nullcontext
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -74,15 +73,12 @@ def test_energy_defect_and_pull_off_only_where_surfaces_stick(paper):
     assert pull_off_pressure(paper.theory(5.52)) == pytest.approx(-1.82e9, abs=0.02e9)
 
 
-def test_pull_off_of_a_smooth_surface(paper, monkeypatch):
-    solve = Mock(side_effect=PerssonTheory.at_pressure)
-    monkeypatch.setattr(PerssonTheory, "at_pressure", lambda *given: solve(*given))
+def test_pull_off_of_a_smooth_surface(paper):
     smooth = dataclasses.replace(paper, rms_height=1e-20)
     expected = -np.sqrt(smooth.contact_modulus * smooth.spectrum.low * 0.69)
-    # The search's own accuracy; the energy of the roughness lowers Δγ by 1e-5 at most.
+    # The search's own accuracy; the energy of the roughness lowers Δγ by 1e-5 at most. Steps double from 5 % of the
+    # stress of the roughness to its 1.6e10-fold.
     assert pull_off_pressure(smooth.theory(0.69)) == pytest.approx(expected, rel=2e-3)
-    # Steps that double from 5 % of the stress of the roughness to its 1.6e10-fold, then halve to 0.1 % of that.
-    assert solve.call_count <= 38 + 2 * 10
 
 
 def test_states_that_did_not_converge_are_named(paper):

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -15,10 +15,7 @@ from contact_study.numerics.kernel import inner_product
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity
-from theory.datasets import dataset_of
-
-if TYPE_CHECKING:
-    import xarray as xr
+from theory.datasets import Dataset, dataset_of
 
 REMEDY = "use a lower pressure, weaker adhesion or Persson's theory"  # what helps where a curve ends early
 
@@ -193,7 +190,7 @@ class GapState:
         contact_distance: float | None = None,
         pressure_edges: np.ndarray | None = None,
         gap_edges: np.ndarray | None = None,
-    ) -> "xr.Dataset":
+    ) -> Dataset:
         """The state in the schema of ``theory.nc``, without the dimension of a path.
 
         Parameters
@@ -246,10 +243,8 @@ class PressureCurve(ABC):
         p, gap = self.pressure, self.mean_gap
         finite("pressure", pressure, "Pa")
         if pressure > p.max():
-            raise ValueError(
-                f"pressure: the flow has no equilibrium at {stress(pressure)}, it ends at {stress(float(p.max()))}: "
-                f"{self._end}, or its nodes end there; {REMEDY}"
-            )
+            ends = f"it ends at {stress(float(p.max()))}: {self._end}, or its nodes end there; {REMEDY}"
+            raise ValueError(f"pressure: the flow has no equilibrium at {stress(pressure)}, {ends}")
         crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
         if crossings.size == 0:
             return float("nan")
@@ -283,9 +278,8 @@ def positions(mean_gaps: np.ndarray, lowest: float, highest: float) -> np.ndarra
     asked = np.atleast_1d(np.asarray(mean_gaps, dtype=float))
     wrong = ~((asked >= lowest) & (asked <= highest))
     if wrong.any():
-        raise ValueError(
-            f"mean_gaps: {asked[wrong][0]:.6g} m is outside the nodes of the flow, {lowest:.6g} m to {highest:.6g} m"
-        )
+        nodes = f"{lowest:.6g} m to {highest:.6g} m"
+        raise ValueError(f"mean_gaps: {asked[wrong][0]:.6g} m is outside the nodes of the flow, {nodes}")
     return asked
 
 

@@ -16,7 +16,6 @@ W(x), G(x) = ∫_x^∞ W'(x')/x' dx' and W'(x) at x = p/√V.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -25,11 +24,8 @@ from scipy.special import erf, roots_legendre
 from contact_study.numerics.arguments import positive
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
-from theory.datasets import dataset_of
+from theory.datasets import Dataset, dataset_of
 from theory.non_adhesive import closed_forms
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 CORRECTIONS = ("persson", "yang_persson", "wang_mueser", "xu")
 
@@ -140,7 +136,7 @@ class NonAdhesiveContact:
         """P(σ) for σ >= 0 with all roughness, without the δ of non-contact (1/Pa)."""
         return closed_forms.stress_density(stress, self.pressure, float(self.stress_variance_at()))
 
-    def to_dataset(self, pressure_edges: np.ndarray | None = None) -> "xr.Dataset":
+    def to_dataset(self, pressure_edges: np.ndarray | None = None) -> Dataset:
         """Give the state in the schema of ``theory.nc``; bins as in :meth:`theory.PerssonContact.to_dataset`."""
         deviation = float(np.sqrt(self.stress_variance_at()))
 

@@ -12,7 +12,6 @@ pressure p/A(ζ) with the roughness beyond ζ alone, whose rms height h(ζ) spre
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import ndtr
@@ -21,11 +20,8 @@ from contact_study.numerics.arguments import positive
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
-from theory.datasets import dataset_of
+from theory.datasets import Dataset, dataset_of
 from theory.non_adhesive.closed_forms import relative_contact_area, separation, shared_points
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 # Bands of the spectrum, and parts of the area that leave contact: as many of equal area and of equal ratios.
 _BANDS, _PARTS = 100, 50
@@ -73,7 +69,7 @@ class GapDistribution:
         """Mean of P(u) in bins (1/m), shape (n,) for n + 1 edges from zero on (m); without the δ of contact."""
         return np.diff(self.fraction_below(edges)) / np.diff(edges)
 
-    def to_dataset(self, gap_edges: np.ndarray | None = None) -> "xr.Dataset":
+    def to_dataset(self, gap_edges: np.ndarray | None = None) -> Dataset:
         """Give the state in the schema of ``theory.nc``, with the contact in the bin of P(u) that begins at zero.
 
         Without edges of the bins (m) there are even ones over all but a billionth of the area.
@@ -144,15 +140,13 @@ def gap_distribution(
     return GapDistribution(pressure, float(left[-1]), *parts)
 
 
-def attracted_at_light_load(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, attraction_range: float
-) -> float:
+def attracted_at_light_load(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, reach: float) -> float:
     """Area out of contact with a gap within a range (m), over the pressure, as the pressure vanishes (1/Pa).
 
     The sum is that of :func:`gap_distribution`, not regularised, for an infinite surface: at a magnification with the
     stress variance s the area in contact is √(2/πs) for every unit of pressure, under √(πs/2).
     """
-    reach = positive("attraction_range", attraction_range, "m")
+    positive("attraction_range", reach, "m")
     solid = elasticity_of(elasticity)
     q, stress = _stress(spectrum, solid)
     rough = stress > _FIRST * stress[-1]

@@ -8,12 +8,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from contact_study.numerics.arguments import finite
-from theory.datasets import dataset_of
+from theory.datasets import Dataset, dataset_of
 from theory.persson.diffusion import StressDistribution, diffuse
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from theory.persson.theory import PerssonTheory
 
 
@@ -67,10 +65,8 @@ class PerssonContact:
     def advice(self) -> str:
         """The remedy for a state that did not converge."""
         if not self.balanced:
-            return (
-                f"contact and edges carry {self.stress_balance:.3g} times the pressure, and not one within "
-                f"{self.theory.options.balance:g}; use more cells (PerssonTheory(cells=...)) or a higher pressure"
-            )
+            bound = f"{self.theory.options.balance:g}; use more cells (PerssonTheory(cells=...)) or a higher pressure"
+            return f"contact and edges carry {self.stress_balance:.3g} times the pressure, and not one within {bound}"
         return "the iteration oscillates; lower theory.alpha" if self.stalled else "raise solver.max_iterations"
 
     @property
@@ -157,9 +153,7 @@ class PerssonContact:
             "residual": self.residual * self.theory.stress_scale / self.theory.solid.contact_modulus,
         }
 
-    def to_dataset(
-        self, pressure_edges: np.ndarray | None = None, magnifications: np.ndarray | None = None
-    ) -> "xr.Dataset":
+    def to_dataset(self, pressure_edges: np.ndarray | None = None, magnifications: np.ndarray | None = None) -> Dataset:
         """Give the state in the schema of ``theory.nc``, without the dimension of a path.
 
         The mean gap takes some forty states at higher pressures.

@@ -93,10 +93,7 @@ class CaseTheories:
     @cached_property
     def gap_flow_states(self) -> tuple[BackgroundTask[list[GapState | None]], ...]:
         """States of each branch along the path, None where none carries the pressure; may raise an InputError."""
-        return tuple(
-            self.ahead.begin(lambda begun=begun: _states_along(self.case, begun.result()))  # type: ignore[misc]
-            for begun in self._gap_flows_begun
-        )
+        return tuple(self.ahead.begin(partial(_states_along, self.case, begun)) for begun in self._gap_flows_begun)
 
     @cached_property
     def edge_flow(self) -> EdgeFlow | None:
@@ -122,7 +119,8 @@ class CaseTheories:
         return self.ahead.begin(partial(flow, 0.0, float(reached.max()), float(reached.min())))
 
 
-def _states_along(case: Case, flow: GapFlow) -> list[GapState | None]:
+def _states_along(case: Case, begun: BackgroundTask[GapFlow]) -> list[GapState | None]:
+    flow = begun.result()
     try:
         if case.loading.control == "pressure":
             gaps = np.array([flow.gap_at(pressure) for pressure, _ in case.path])

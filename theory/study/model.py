@@ -152,7 +152,7 @@ def _along(
     names = ["_".join(["detachment_stress", *filter(None, [theories.other])]) for theories in every]
     begun = zip(every, names, strict=True)
     states_along = [paths.persson_path(each, restart.get(name, "adhered"), start) for each, name in begun]
-    flows = [paths.flow_paths(theories, start) for theories in every]
+    flows = [list(paths.flow_paths(theories, start)) for theories in every]
     for number, states in enumerate(zip(*states_along, strict=True), start):
         values: dict[str, Any] = {}
         kept: dict[str, np.ndarray] = {}

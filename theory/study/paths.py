@@ -27,9 +27,6 @@ PERSSONS_OWN = (*_RESOLVED, "contact_stress", "edge_stress", "pressure_pdf_at")
 # Largest difference of σ_a between states of one branch, and lowest pressure of a search, over the full-contact stress.
 _SAME_BRANCH, _LOWEST_PRESSURE = 1e-2, 1e-9
 
-# Values at the path point of a number; a mistake of input is raised at the first.
-PathValues = Callable[[int], dict[str, Any]]
-
 
 def _nowhere(edges: np.ndarray, value: float = 0.0) -> np.ndarray:
     """Distribution of what is nowhere within any bins."""
@@ -39,26 +36,21 @@ def _nowhere(edges: np.ndarray, value: float = 0.0) -> np.ndarray:
 _undefined = partial(_nowhere, value=np.nan)
 
 # A detached block; its mean gap is infinite where the theory defines one.
-_DETACHED: dict[str, Any] = {
-    **dict.fromkeys(
-        ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "residual"), 0.0
-    ),
-    "converged": True,
-    "detached": True,
-    "stress_balance": np.nan,
-    "pressure_pdf": _nowhere,
-}
+_ZERO = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "residual")
+_DETACHED: dict[str, Any] = dict.fromkeys(_ZERO, 0.0) | {"stress_balance": np.nan, "pressure_pdf": _nowhere}
+_DETACHED |= {"converged": True, "detached": True}
 
 
-def flow_paths(theories: CaseTheories, start: int = 0) -> list[PathValues]:
-    """Values of the flows at the points from number ``start`` on; none outside a wall, which no flow goes through."""
+def flow_paths(theories: CaseTheories, start: int = 0) -> Iterator[Callable[[int], dict[str, Any]]]:
+    """Values of each flow at the point of a number from ``start`` on; none outside a wall, which no flow goes through.
+
+    A mistake of input is raised at the first.
+    """
     with theories.naming_the_spectrum():
-        flows = theories.gap_flows
-    both = zip(flows, theories.gap_flow_states, strict=True)
-    found: list[PathValues] = [partial(_gap_flow_values, theories.case, flow, begun) for flow, begun in both]
-    flow = theories.edge_flow
-    with theories.naming_the_spectrum():
-        return found if flow is None else [*found, _edge_flow_values(theories.case, flow, theories.ahead, start)]
+        for flow, begun in zip(theories.gap_flows, theories.gap_flow_states, strict=True):
+            yield partial(_gap_flow_values, theories.case, flow, begun)
+        if theories.edge_flow is not None:
+            yield _edge_flow_values(theories.case, theories.edge_flow, theories.ahead, start)
 
 
 def _unknown(names: tuple[str, ...], gap: float, message: str) -> dict[str, Any]:
@@ -73,7 +65,9 @@ def _gap_flow_values(case: Case, flow: GapFlow, begun: BackgroundTask, number: i
     return {f"{flow.name}/{key}": value for key, value in values.items()}
 
 
-def _edge_flow_values(case: Case, flow: EdgeFlow, ahead: BackgroundExecutor, start: int) -> PathValues:
+def _edge_flow_values(
+    case: Case, flow: EdgeFlow, ahead: BackgroundExecutor, start: int
+) -> Callable[[int], dict[str, Any]]:
     if not flow.converged:
         lost = f"{flow.unconverged_states} of {len(flow.equilibria) + flow.lost} mean gaps did not converge"
         sound = ", between pieces of the curve; states of these are sound" if len(flow.pieces) > 1 else ""
@@ -112,13 +106,8 @@ def _edge_flow_gap(case: Case, flow: EdgeFlow, asked: float) -> float | None:
 
 def _come_off(converged: bool) -> dict[str, Any]:
     """Quantities where a curve has no state; one that is not solved does not tell where it ends either."""
-    return _DETACHED | {
-        "mean_gap": np.inf,
-        "converged": converged,
-        "relative_repulsive_area": 0.0,
-        "local_mean_pressure": 0.0,
-        "gap_pdf": _nowhere,
-    }
+    local = {"relative_repulsive_area": 0.0, "local_mean_pressure": 0.0, "gap_pdf": _nowhere}
+    return _DETACHED | local | {"mean_gap": np.inf, "converged": converged}
 
 
 def persson_path(
