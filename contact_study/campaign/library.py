@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset.provenance import unconverged
+from contact_study.campaign.dataset.file import unconverged
 from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.model import MODELS
-from contact_study.campaign.progress import Progress, Warnings
+from contact_study.campaign.progress import Progress
 from contact_study.campaign.run import RunOptions, run_campaign
 from contact_study.campaign.store.files import check_inputs_kept, named_file
 from contact_study.inputs.errors import InputError
@@ -96,7 +96,7 @@ def run(
     if output is None and resume:
         raise InputError("resume: needs an output to continue")
     start = None if predictor is None else Path(predictor)
-    shown = Progress(chosen.command, _in_python) if progress else Warnings(_in_python)
+    shown = Progress(chosen.command if progress else "", _in_python)
     words = f"contact_study.run(..., {model!r})"
     with tempfile.TemporaryDirectory(prefix="contact_study") as folder:
         try:

@@ -114,8 +114,9 @@ def seconds_of(kind: str, steps: "Iterable[tuple[Case, int]]") -> tuple[float, f
     """Typical and long processor time of so many load steps of each case (s); None where it was not measured."""
     low = high = 0.0
     for case, number in steps:
+        points, slow, free = 1.0, False, kind != "theory" and case.elasticity.boundary == "free"
         if kind == "theory":
-            points, (own_low, own_high), slow = 1.0, _THEORY, False
+            own_low, own_high = _THEORY
         elif kind == "atomistic":
             if case.atomistic.method not in ("quasi_static", "overdamped"):
                 return None
@@ -125,7 +126,6 @@ def seconds_of(kind: str, steps: "Iterable[tuple[Case, int]]") -> tuple[float, f
             shape = case.scales.shape
             points, (own_low, own_high) = float(shape[0] * shape[1]), _ADHESIVE if case.law.attracts else _HARD_WALL
             slow = case.solver.path == "overdamped" and case.law.attracts
-        free = kind != "theory" and case.elasticity.boundary == "free"
         factor = number * points * (_SLOW_MOTION if slow else 1.0) * (_FREE_BOUNDARY if free else 1.0)
         low, high = low + own_low * factor, high + own_high * factor
     return low, high

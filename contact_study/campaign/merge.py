@@ -8,20 +8,19 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assemble_cases, last_states
-from contact_study.campaign.dataset.file import DatasetReader, StoredCase
+from contact_study.campaign.dataset.file import DatasetReader, StoredCase, opened
 from contact_study.campaign.dataset.work_directory import WorkDirectory
-from contact_study.campaign.model import MODELS, Model, check_study
+from contact_study.campaign.model import MODELS, check_study
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.record import Run, RunRecord, describe_differences, differences, key_values
+from contact_study.campaign.record import Run, describe_differences, differences, key_values
 from contact_study.campaign.resume import COARSER_BINS
-from contact_study.campaign.store.files import check_name, engine_of, readable, real, require_dataset, writable_output
+from contact_study.campaign.store.files import check_name, real, require_dataset, writable_output
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.study.case import Case
@@ -55,68 +54,58 @@ def merge(
         work.clear_leftovers()
         raise InputError(f"{output} exists; use --overwrite to replace it")
     sources = _read_sources(paths)
-    study = _joined_study(sources, along)
+    run = _joined_run(sources, along)
+    study = run.study
     with ExitStack() as opened:
-        datasets = [opened.enter_context(DatasetReader(source.path, source.study)) for source in sources]
+        datasets = [opened.enter_context(DatasetReader(source.path, source.run.study)) for source in sources]
         holders = _holders(sources, study)
-        own = _bins(study, datasets)
+        own = _bins(run, datasets)
         bins = [dataset.bins(own) for dataset in datasets]
         cases = []
         for held, case in zip(holders, study.cases, strict=True):
             alike = [(sources[i].path, StoredCase(datasets[i], at, bins[i])) for i, at in held]
             _check_agreement(alike, case)
             cases.append(alike[0][1])
-        for which in dict.fromkeys(held[0][0] for held in holders):
+        used = dict.fromkeys(held[0][0] for held in holders)
+        for which in used:
             if not bins[which].hold(own):
                 raise InputError(
                     f"{sources[which].path}: {COARSER_BINS}; run all parts with one output.pressure_range and gap_range"
                 )
-        model = sources[0].model
-        predictors = "\n".join(dict.fromkeys(source.record.predictor for source in sources))
-        run = Run(model, RunRecord(model.kind, study, _maps(sources), model.ignores, predictor=predictors), own)
         writable_output(output)
         opened.callback(work.close)
         work.open(resume=False, overwrite=overwrite)
         if output.exists() and not overwrite:  # by now
             raise InputError(f"{output} exists; use --overwrite to replace it")
         opened.callback(work.remove)
-        work.claim(run.record.attributes)
+        work.claim(run.attributes)
         groups, notes = assemble_cases(study, own, cases, progress)
         groups[""].attrs.update(_attributes(run, sources, notes, command))
         work.write(groups, last_states(study, cases))
         work.publish()
-    used = {held[0][0] for held in holders}
     unused = [source.path for which, source in enumerate(sources) if which not in used]
     return groups, [*notes, *(f"{path}: holds nothing that the datasets before it do not" for path in unused)]
 
 
-@dataclasses.dataclass(frozen=True)
-class _Source:
-    """One of the datasets to merge: its attributes, its model, and the run that wrote it."""
+class _Source(NamedTuple):
+    """One of the datasets to merge: its attributes, and the run that wrote it."""
 
     path: Path
     attributes: Mapping[str, Any]
-    model: Model
-    record: RunRecord
-
-    @property
-    def study(self) -> Study:
-        return self.record.study
+    run: Run
 
 
 def _read_sources(paths: Sequence[Path]) -> list[_Source]:
     """Read the records of at least two datasets of one model and version."""
     if len(paths) < 2:
         raise InputError("give at least two datasets to join")
-    seen: set[str] = set()
-    for path in paths:
-        if real(path) in seen:
+    for number, path in enumerate(paths):
+        if real(path) in map(real, paths[:number]):
             raise InputError(f"{path} is given twice")
-        seen.add(real(path))
     first, *others = sources = [_read_source(path) for path in paths]
     maps: dict[str, tuple[Path, str]] = {}
     for source in sources:
-        for name, content in source.record.height_maps.items():
+        for name, content in source.run.height_maps.items():
             known, other = maps.setdefault(name, (source.path, content))
             if other != content:
                 raise InputError(
@@ -125,10 +114,9 @@ def _read_sources(paths: Sequence[Path]) -> list[_Source]:
                 )
     for source in others:
         pairs = {name: (first.attributes.get(name), source.attributes.get(name)) for name in _SHARED}
-        faults = [
-            f"{name} is {one} in the one and {two} in the other" for name, (one, two) in pairs.items() if one != two
-        ]
-        if bool(first.record.predictor) != bool(source.record.predictor):
+        words = "{} is {} in the one and {} in the other"
+        faults = [words.format(name, *pair) for name, pair in pairs.items() if pair[0] != pair[1]]
+        if bool(first.run.predictor) != bool(source.run.predictor):
             faults.append("one was run with --predictor, one without")
         if faults:
             raise InputError(f"{first.path} and {source.path} cannot be joined: {faults[0]}")
@@ -137,29 +125,27 @@ def _read_sources(paths: Sequence[Path]) -> list[_Source]:
 
 def _read_source(path: Path) -> _Source:
     require_dataset(path)
-    with readable(path), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
+    with opened(path) as dataset:
         attributes, sizes = dict(dataset.attrs), dict(dataset.sizes)
         held = {str(name): dataset[name].values.tolist() for name in dataset.dims if name in dataset.coords}
     kind = str(attributes.get("model"))
     if kind not in MODELS or "schema_version" not in attributes:
         raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
-    model = MODELS[kind]
     try:
-        record = RunRecord.read(attributes, path.parent, model.ignores)
-        record.require_height_maps()
+        run = Run.read(attributes, path.parent, MODELS[kind])
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    for name, swept in record.study.sweep.items():
+    for name, swept in run.study.sweep.items():
         if held.get(name) != list(swept.values):
             raise InputError(
                 f"{path}: does not hold the points of {name} that its study sweeps ({sizes.get(name, 0)} of "
                 f"{len(swept.values)}), as if it had been cut or joined by other means; give files as they were written"
             )
-    return _Source(path, attributes, model, record)
+    return _Source(path, attributes, run)
 
 
-def _joined_study(sources: Sequence[_Source], along: Sequence[str]) -> Study:
-    """Make the study whose sweep holds the cases of every dataset.
+def _joined_run(sources: Sequence[_Source], along: Sequence[str]) -> Run:
+    """Describe the run of the study whose sweep holds the cases of every dataset.
 
     A key that some dataset sweeps is swept, numbers in increasing order; unswept samples are joined over seeds.
     """
@@ -168,24 +154,25 @@ def _joined_study(sources: Sequence[_Source], along: Sequence[str]) -> Study:
     for dotted in along:
         if dotted not in known:
             raise InputError(f"--along {dotted}: is no key that a study sweeps{suggestion(dotted, known)}")
-    swept = dict.fromkeys(dotted for source in sources for dotted in source.study.table.get("sweep", {}))
+    swept = dict.fromkeys(dotted for source in sources for dotted in source.run.study.table.get("sweep", {}))
     swept |= dict.fromkeys(along)
-    seeds = [{case.surface.realisation for case in source.study.cases} for source in sources]
+    seeds = [{case.surface.realisation for case in source.run.study.cases} for source in sources]
     if all(len(own) == 1 and None not in own for own in seeds) and len(set.union(*seeds)) > 1:
         swept[_SEED] = None
     first = sources[0]
-    table = copy.deepcopy(first.study.table)
+    table = copy.deepcopy(first.run.study.table)
     for dotted in swept:
         if dotted not in table.get("sweep", {}):
             section, _, name = dotted.partition(".")
             table.get(section, {}).pop(name, None)
         table.setdefault("sweep", {})[dotted] = _values(sources, dotted)
-    study = make_study(table, first.study.directory)
-    whole = dataclasses.replace(first.record, study=study, height_maps=_maps(sources))
+    study = make_study(table, first.run.study.directory)
+    maps = {name: content for source in sources for name, content in source.run.height_maps.items()}
+    whole = Run(first.run.model, study, maps, "\n".join(dict.fromkeys(source.run.predictor for source in sources)))
     for source in sources:
-        for case in source.study.cases:
+        for case in source.run.study.cases:
             other = study.cases[_position(study, case)]
-            different = differences(_compared_keys(whole, other), _compared_keys(source.record, case))
+            different = differences(_compared_keys(whole, other), _compared_keys(source.run, case))
             if not different:
                 continue
             key, values = next(iter(different.items()))
@@ -194,12 +181,7 @@ def _joined_study(sources: Sequence[_Source], along: Sequence[str]) -> Study:
             advice = f" (--along {key} joins them over it)" if joinable else ""
             words = describe_differences(different, "in the one", "in the other")
             raise InputError(f"{first.path} and {source.path} are of different studies: {words}{advice}")
-    return study
-
-
-def _maps(sources: Sequence[_Source]) -> dict[str, str]:
-    """SHA-256 of every height map of the datasets, by its path as the studies write it."""
-    return {name: content for source in sources for name, content in source.record.height_maps.items()}
+    return whole
 
 
 def _position(study: Study, case: Case) -> int:
@@ -224,7 +206,7 @@ def _values(sources: Sequence[_Source], dotted: str) -> list[Any]:
     found: dict[Any, Any] = {}  # by their values in SI
     section, _, name = dotted.partition(".")
     for source in sources:
-        study = source.study
+        study = source.run.study
         if dotted in study.table.get("sweep", {}):
             for size, written in zip(study.sweep[name].values, study.table["sweep"][dotted], strict=True):
                 found.setdefault(size, written)
@@ -241,17 +223,17 @@ def _values(sources: Sequence[_Source], dotted: str) -> list[Any]:
     return [found[size] for size, before in zip(sizes, [None, *sizes], strict=False) if not same(size, before)]
 
 
-def _compared_keys(record: RunRecord, case: Case) -> dict[str, Any]:
+def _compared_keys(run: Run, case: Case) -> dict[str, Any]:
     """Every key in which two datasets of one case may not differ."""
     whole = {dotted: value for dotted, value in key_values(case, WHOLE_STUDY) if dotted not in _FREE_KEYS}
     path = {"loading.path": case.loading.path, "loading.unload": case.loading.unload}
-    return {**record.deciding_keys(case), **path, **whole}
+    return {**run.deciding_keys(case), **path, **whole}
 
 
-def _bins(study: Study, datasets: Sequence[DatasetReader]) -> Bins:
+def _bins(run: Run, datasets: Sequence[DatasetReader]) -> Bins:
     """Bins of the joined study; those that all parts share where its height map is missing."""
     try:
-        return bins_of(study)
+        return run.bins
     except InputError:
         none = Bins.evenly((0, 1, 1), (0, 1, 1))
         first, *others = (dataset.bins(none) for dataset in datasets)
@@ -264,7 +246,7 @@ def _holders(sources: Sequence[_Source], study: Study) -> list[list[tuple[int, i
     """Datasets that hold each case of the joined study: number of the dataset, number of the case in it."""
     held: list[list[tuple[int, int]]] = [[] for _ in study.cases]
     for which, source in enumerate(sources):
-        for at, case in enumerate(source.study.cases):
+        for at, case in enumerate(source.run.study.cases):
             held[_position(study, case)].append((which, at))
     missing = [case for case, found in zip(study.cases, held, strict=True) if not found]
     if missing:
@@ -305,20 +287,18 @@ def _equal(one: Any, other: Any) -> bool:
 def _words(value: Any) -> str:
     if value is None:
         return "absent"
-    value = np.asarray(value)
-    return f"{value.item()!r}" if value.ndim == 0 else f"another field of mean {np.nanmean(value):.17g}"
+    return f"another field of mean {np.nanmean(value):.17g}" if np.ndim(value) else f"{np.asarray(value).item()!r}"
 
 
 def _attributes(run: Run, sources: Sequence[_Source], notes: Sequence[str], command: str) -> dict[str, Any]:
     """Attributes of the root; those of all parts, a line each, where the parts differ."""
     try:
-        warnings = check_study(run.model, run.study)[1]
+        warnings = check_study(run.model, run.study)
     except InputError:  # this machine could not run it
         warnings = []
     for source in sources:
-        warnings += provenance.carried_warnings(run.model, source.attributes, source.record)
+        warnings += source.run.carried_warnings(source.attributes)
     commits = ", ".join(dict.fromkeys(str(source.attributes.get("git_commit")) for source in sources))
     if ", " in commits:
         warnings.append(f"the parts are of several commits: {commits}")
-    earlier = [source.attributes for source in sources]
-    return provenance.attributes(run, earlier, [*warnings, *notes], command, commits)
+    return run.origin([source.attributes for source in sources], [*warnings, *notes], command, commits)

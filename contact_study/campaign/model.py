@@ -8,7 +8,6 @@ from contact_study.campaign.memory import Need, on_grid
 from contact_study.inputs.errors import InputError
 
 if TYPE_CHECKING:
-    from contact_study.numerics.distributions import Bins
     from contact_study.study.case import Case
     from contact_study.study.study import Study
 
@@ -50,8 +49,8 @@ class Model:
 
 _YANG = "C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)"
 
-MODELS: dict[str, Model] = {
-    "continuum": Model(
+_ALL = (
+    Model(
         command="bem-adhesion",
         kind="continuum",
         module="bem_adhesion.study.model",
@@ -60,7 +59,7 @@ MODELS: dict[str, Model] = {
         ignores=("atomistic", "sampling", "dynamics", "theory"),
         own_steps=True,
     ),
-    "atomistic": Model(
+    Model(
         command="md-reference",
         kind="atomistic",
         module="md_reference.study.model",
@@ -71,7 +70,7 @@ MODELS: dict[str, Model] = {
         ignores=("theory",),
         keeps=("fields", "atoms"),
     ),
-    "theory": Model(
+    Model(
         command="persson-theory",
         kind="theory",
         module="theory.study.model",
@@ -84,11 +83,12 @@ MODELS: dict[str, Model] = {
         whole_path=True,  # the separation curve and the gap flow's grid extend as far as the path asks
         threads=2,  # the edge flow beside Persson's theory and the gap flow
     ),
-}
+)
+MODELS: dict[str, Model] = {model.kind: model for model in _ALL}
 
 
-def check_study(model: Model, study: "Study") -> "tuple[Bins, list[str]]":
-    """Check a study before any work; returns the bins of its distributions, and warnings about it as a whole."""
+def check_study(model: Model, study: "Study") -> list[str]:
+    """Check a study before any work; returns warnings about it as a whole."""
     from contact_study.study.checks import review
     from contact_study.study.study import bins_of
 
@@ -99,4 +99,5 @@ def check_study(model: Model, study: "Study") -> "tuple[Bins, list[str]]":
                 f"missing key surface.kind: {model.command} needs a surface; the study has a spectrum only"
             )
         model.code.check(case)
-    return bins_of(study), [*notes, *model.code.review(study, study.scales)]
+    bins_of(study)  # a height map may be none
+    return [*notes, *model.code.review(study, study.scales)]

@@ -16,7 +16,10 @@ T = TypeVar("T")
 
 
 class Progress:
-    """Counter of finished steps, and printer of messages, which ``wording`` may change, after the command's name."""
+    """Counter of finished steps, and printer of messages, which ``wording`` may change, after the command's name.
+
+    Without a name nothing is printed, and warnings are Python's.
+    """
 
     def __init__(self, name: str, wording: Callable[[str], str] = str):
         self._name = name
@@ -27,7 +30,7 @@ class Progress:
         self._began = self._quiet_since = time.monotonic()
 
     def _on_terminal(self) -> bool:
-        return sys.stderr.isatty()
+        return bool(self._name) and sys.stderr.isatty()
 
     def start(self, total: int, done: int) -> None:
         """Begin with ``done`` of ``total`` steps finished."""
@@ -92,6 +95,8 @@ class Progress:
 
     def report(self, text: str) -> None:
         """Print a line."""
+        if not self._name:
+            return
         line = f"{self._name}: {self._wording(text)}"
         with suppress(OSError):  # the reader of the log may be gone; the run continues
             if self._bar is not None:
@@ -102,25 +107,12 @@ class Progress:
 
     def warn(self, note: str) -> None:
         """Print a warning."""
-        self.report(f"warning: {note}")
+        if self._name:
+            self.report(f"warning: {note}")
+        else:
+            warnings.warn(self._wording(note), UserWarning, stacklevel=4)  # at the caller of the library
 
     def close(self) -> None:
         """Remove the bar."""
         if self._bar is not None:
             self._bar.close()
-
-
-class Warnings(Progress):
-    """Progress of the library: steps are not shown, warnings are Python's."""
-
-    def __init__(self, wording: Callable[[str], str] = str) -> None:
-        super().__init__("", wording)
-
-    def _on_terminal(self) -> bool:
-        return False
-
-    def report(self, text: str) -> None:
-        pass
-
-    def warn(self, note: str) -> None:
-        warnings.warn(self._wording(note), UserWarning, stacklevel=4)  # at the caller of the library

@@ -4,16 +4,15 @@ Every check comes before the first change. Cases that the dataset holds whole st
 directory by one rename each, as if the run had just been interrupted. The old dataset stays until the new one is whole.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from contact_study.campaign.dataset.file import DatasetReader, StoredCase, attributes_of, history_of, states_file
 from contact_study.campaign.dataset.predictor import GapFields
 from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.record import Run, RunRecord, describe_differences, differences
+from contact_study.campaign.record import Run, describe_differences, differences
 from contact_study.campaign.store.case_file import CaseFile, write_case
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
@@ -34,8 +33,7 @@ class NotKeptError(InputError):
     """A resume would lose content of the same study's earlier run, or its height map changed."""
 
 
-@dataclass(frozen=True)
-class Match:
+class Match(NamedTuple):
     """Number of a case in an earlier run, how many of its first steps keep their numbers, and why not all if so."""
 
     earlier: int
@@ -65,31 +63,31 @@ def resume_run(
     finished: Mapping[str, Any] | None,
     git_commit: str,
     progress: Progress,
-) -> tuple[list[str], RunRecord | None, dict[int, int]]:
+) -> tuple[list[str], Run | None, dict[int, int]]:
     """Find the finished part of a run; bring cases that no dataset holds whole into its open work directory.
 
     Earlier runs are given by their attributes: ``unfinished`` steps in the directory, a ``finished`` dataset. Returns
     warnings, the record of the dataset, and the cases of this run that it holds whole, by both numbers.
     """
     notes: list[str] = []
-    earlier: RunRecord | None = None
+    whole: dict[int, int] = {}
+    earlier: Run | None = None
     matches: dict[int, Match] = {}
     if finished is not None:
         earlier, matches = _match(finished, run, work.output, "exists and belongs to another study or model")
-        if run.predictor is not None:
+        if run.start is not None:
             with DatasetReader(work.output, earlier.study) as dataset:
                 _check_starts(run, matches, lambda number: StoredCase(dataset, number, run.bins))
     if unfinished is not None:
         notes += _take_over(unfinished, run, work, progress)
     replaced = history_of(work.output) if finished is None and work.output.exists() else None
-    work.claim({**run.record.attributes, "git_commit": git_commit}, replaced)
-    whole: dict[int, int] = {}
+    work.claim({**run.attributes, "git_commit": git_commit}, replaced)
     if earlier is None:
         return notes, earlier, whole
     with DatasetReader(work.output, earlier.study) as dataset:
         bins = dataset.bins(run.bins)
         for number, found in progress.through(matches.items(), "cases of the dataset checked"):
-            steps, file = len(run.study.cases[number].path), CaseFile(work.case_file(run.record.case_names[number]))
+            steps, file = len(run.study.cases[number].path), CaseFile(work.case_file(run.case_names[number]))
             if found.steps == steps and bins.hold(run.bins):
                 whole[number] = found.earlier
             elif not file.path.exists() or file.finished(steps, last_state=False) < found.steps:
@@ -98,7 +96,7 @@ def resume_run(
     return list(dict.fromkeys(notes)), earlier, whole
 
 
-def _match(attributes: Mapping[str, Any], run: Run, where: Path, fault: str) -> tuple[RunRecord, dict[int, Match]]:
+def _match(attributes: Mapping[str, Any], run: Run, where: Path, fault: str) -> tuple[Run, dict[int, Match]]:
     try:
         return match(attributes, run)
     except NotKeptError as error:
@@ -117,7 +115,7 @@ def _take_over(unfinished: Mapping[str, Any], run: Run, work: WorkDirectory, pro
     # No check comes after this line.
     notes = []
     for number, found in matches.items():
-        file, target = files[found.earlier], work.case_file(run.record.case_names[number])
+        file, target = files[found.earlier], work.case_file(run.case_names[number])
         usable = file.usable_steps(run.bins)
         file.keep(min(found.steps, usable), partial=usable < found.steps and not file.has_step(usable))
         if file.path != target and file.path.exists():
@@ -130,23 +128,17 @@ def _take_over(unfinished: Mapping[str, Any], run: Run, work: WorkDirectory, pro
     return notes
 
 
-def earlier_commits(earlier: list[Mapping[str, Any] | None], now: str) -> list[str]:
-    """Name the commits of the program that computed earlier steps, where they differ from the present one."""
-    commits = dict.fromkeys(str(attributes.get("git_commit")) for attributes in earlier if attributes)
-    return [f"the earlier steps are of commit {commit}, the next of {now}" for commit in commits if commit != now]
-
-
 def _again(run: Run, number: int, reason: str) -> str:
     return ": ".join(filter(None, (run.study.cases[number].label, "computed again", reason)))
 
 
 def _check_starts(run: Run, matches: Mapping[int, Match], earlier: Callable[[int], CaseFile | StoredCase]) -> None:
     """Check that every finished step started from the gap field that the predictor holds now."""
-    if run.predictor is None:
+    if run.start is None:
         return
     for number, found in matches.items():
         case = run.study.cases[number]
-        fields = GapFields(run.predictor, case)
+        fields = GapFields(run.start, case)
         for step in range(found.steps):
             before = earlier(found.earlier).step_text(step, "predictor_field")
             if before is None:  # not finished
@@ -154,7 +146,7 @@ def _check_starts(run: Run, matches: Mapping[int, Match], earlier: Callable[[int
             if before != fields.fingerprint(step):
                 where = f"{case.label}, " if case.label else ""
                 raise InputError(
-                    f"--predictor {run.predictor}: holds another gap field than the finished step started from ({where}"
+                    f"--predictor {run.start}: holds another gap field than the finished step started from ({where}"
                     f"point {step + 1}); use the earlier file, --overwrite or another output"
                 )
 
@@ -176,22 +168,19 @@ def _extract(dataset: DatasetReader, found: Match, bins: Bins, own: Bins, path: 
     )
 
 
-def match(attributes: Mapping[str, Any], run: Run) -> tuple[RunRecord, dict[int, Match]]:
+def match(attributes: Mapping[str, Any], run: Run) -> tuple[Run, dict[int, Match]]:
     """Find the cases of an earlier run, read from attributes, in one that may be larger, by number."""
     for name in ("model", "version", "schema_version"):
-        if attributes.get(name) != run.record.attributes[name]:
-            raise InputError(
-                f"{name} is {attributes.get(name, 'unknown')} there and {run.record.attributes[name]} here"
-            )
+        if attributes.get(name) != run.attributes[name]:
+            raise InputError(f"{name} is {attributes.get(name, 'unknown')} there and {run.attributes[name]} here")
     there = str(attributes.get("predictor", ""))
-    if bool(there) != bool(run.record.predictor):
-        names = [text.partition(" ")[0] or "none" for text in (there, run.record.predictor)]
+    if bool(there) != bool(run.predictor):
+        names = [text.partition(" ")[0] or "none" for text in (there, run.predictor)]
         raise InputError(f"--predictor is {names[0]} there and {names[1]} here")
-    earlier = RunRecord.read(attributes, run.study.directory, run.model.ignores)
-    earlier.require_height_maps()
-    values = [run.record.deciding_keys(case) for case in run.study.cases]
+    earlier = Run.read(attributes, run.study.directory, run.model)
+    values = [run.deciding_keys(case) for case in run.study.cases]
     by_text: dict[str, list[int]] = {}
-    for number, text in enumerate(run.record.case_texts):
+    for number, text in enumerate(run.case_texts):
         by_text.setdefault(text, []).append(number)
     matches: dict[int, Match] = {}
     for number, case in enumerate(earlier.study.cases):
@@ -225,8 +214,6 @@ def _different(
 
 def _matched_steps(number: int, case: Case, other: Case, run: Run) -> Match:
     """Count the steps that a case shares with another that differs only in its path and kept content."""
-    model = run.model
-    added = [_added_content(name, case, other) for name in model.keeps]
     where = f" at {case.label}" if case.label else ""
     if case.loading.unload and not other.loading.unload:
         raise InputError(f"loading.unload is true there and false here{where}")
@@ -234,51 +221,42 @@ def _matched_steps(number: int, case: Case, other: Case, run: Run) -> Match:
     length = len(case.loading.path)
     if after[:length] != before[:length]:
         raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
-    if "fields" in model.keeps and case.output.fields:
-        added += [_added_fields(case, other), _added_content("field_precision", case, other)]
-    changes = {
-        "the path has changed, and its points share quantities of the whole path": model.whole_path and before != after,
-        "the least step of loading.adaptive follows the largest value of the path, which grew": model.own_steps
-        and case.least_step != other.least_step,
-        "the distributions there were counted in a narrower range": not _ranges_contain(case, run.bins),
-    }
-    for reason in filter(None, [*added, *(words for words, holds in changes.items() if holds)]):
-        return Match(number, 0, reason)
+    reasons = list(_faults(case, other, run))
+    if run.model.whole_path and before != after:
+        reasons.append("the path has changed, and its points share quantities of the whole path")
+    if reasons:
+        return Match(number, 0, reasons[0])
     shared = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
     return Match(number, shared, "unloading starts from another point" if shared < len(before) else "")
 
 
-def _added_content(name: str, case: Case, other: Case) -> str:
-    """Why a case needs some content that an earlier run did not keep, if so; raises NotKeptError if it keeps less."""
-    there, here = getattr(case.output, name), getattr(other.output, name)
-    change = _KEPT[name].index(here) - _KEPT[name].index(there)
-    # Flags as a study file has them.
-    then, now = (value if isinstance(value, str) else str(value).lower() for value in (there, here))
-    if change < 0:
-        raise NotKeptError(
-            f"it keeps {name.replace('_precision', 's')} by output.{name} = {then}, this study has {now}: set it so, "
-            "or use another output or --overwrite"
-        )
-    lacked = "kept single precision" if name == "field_precision" else f"did not keep its {name}"
-    return f"output.{name} = {now}: the earlier run {lacked}" if change else ""
-
-
-def _added_fields(case: Case, other: Case) -> str:
-    """Why a case needs more of its fields than an earlier run kept, if so; raises NotKeptError if it keeps fewer."""
-    if case.kept_fields - other.kept_fields:
+def _faults(case: Case, other: Case, run: Run) -> Iterator[str]:
+    """Yield why no step of an earlier case serves another one; raises NotKeptError if that keeps less."""
+    fields = ["field_precision"] if "fields" in run.model.keeps and case.output.fields else []
+    for name in [*run.model.keeps, *fields]:
+        there, here = getattr(case.output, name), getattr(other.output, name)
+        change = _KEPT[name].index(here) - _KEPT[name].index(there)
+        # Flags as a study file has them.
+        then, now = (value if isinstance(value, str) else str(value).lower() for value in (there, here))
+        if change < 0:
+            raise NotKeptError(
+                f"it keeps {name.replace('_precision', 's')} by output.{name} = {then}, this study has {now}: set it "
+                "so, or use another output or --overwrite"
+            )
+        if change:
+            lacked = "kept single precision" if name == "field_precision" else f"did not keep its {name}"
+            yield f"output.{name} = {now}: the earlier run {lacked}"
+    if fields and case.kept_fields - other.kept_fields:
         raise NotKeptError(
             "it keeps fields of points that output.field_steps leaves out: name them, too, or use another output or "
             "--overwrite"
         )
-    if other.kept_fields.intersection(range(len(case.path))) - case.kept_fields:
-        return "output.field_steps: the earlier run did not keep the fields of these points"
-    return ""
-
-
-def _ranges_contain(case: Case, bins: Bins) -> bool:
-    """Whether the ranges that an earlier study chose for its distributions contain all of the bins asked for."""
-    for chosen, edges in ((case.output.pressure_range, bins.pressure_edges), (case.output.gap_range, bins.gap_edges)):
+    if fields and other.kept_fields.intersection(range(len(case.path))) - case.kept_fields:
+        yield "output.field_steps: the earlier run did not keep the fields of these points"
+    if run.model.own_steps and case.least_step != other.least_step:
+        yield "the least step of loading.adaptive follows the largest value of the path, which grew"
+    output, bins = case.output, run.bins
+    for chosen, edges in ((output.pressure_range, bins.pressure_edges), (output.gap_range, bins.gap_edges)):
         slack = 1e-9 * (edges[-1] - edges[0])
         if chosen is not None and not chosen[0] - slack <= edges[0] < edges[-1] <= chosen[1] + slack:
-            return False
-    return True
+            yield "the distributions there were counted in a narrower range"

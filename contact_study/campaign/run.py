@@ -10,17 +10,16 @@ from pathlib import Path
 
 import xarray as xr
 
-from contact_study.campaign import engines
-from contact_study.campaign.dataset import provenance
+from contact_study.campaign import engines, record
 from contact_study.campaign.dataset.assembly import assemble_cases, last_states
-from contact_study.campaign.dataset.file import DatasetReader, StoredCase
+from contact_study.campaign.dataset.file import DatasetReader, StoredCase, read_flags
 from contact_study.campaign.dataset.predictor import check_predictor
 from contact_study.campaign.dataset.work_directory import WorkDirectory
 from contact_study.campaign.memory import require_at_once, seconds_of
 from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.record import Run, prepare_run
-from contact_study.campaign.resume import earlier_commits, existing_dataset, resume_run
+from contact_study.campaign.record import Run
+from contact_study.campaign.resume import existing_dataset, resume_run
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import check_name, is_dataset, writable_output
 from contact_study.campaign.worker import Job, run_case
@@ -52,27 +51,28 @@ def run_campaign(
     """Run a study by the user's ``command``; write its dataset, return its groups, of a complete one the flags."""
     choices = {"resume": options.resume, "overwrite": options.overwrite}
     check_name(output)
-    bins, study_notes = check_study(model, study)
-    run = prepare_run(model, study, bins, predictor if predictor is not None and is_dataset(predictor) else None)
+    study_notes = check_study(model, study)
+    run = record.prepare_run(model, study, predictor if predictor is not None and is_dataset(predictor) else None)
     if predictor is not None:
-        study_notes += check_predictor(predictor, study, run.record.height_maps)
+        study_notes += check_predictor(predictor, study, run.height_maps)
     work = WorkDirectory(output)
     finished = existing_dataset(work, **choices)
-    commit = provenance.git_commit()
-    if finished is not None and run.record.is_recorded_in(finished):
+    commit = record.git_commit()
+    if finished is not None and run.attributes.items() <= finished.items():
         if not work.clear_leftovers():
             progress.warn(f"{work.folder} holds steps of another run, which are left alone")
-        if finished["git_commit"] != commit:
-            other = finished["git_commit"]
+        if (other := finished["git_commit"]) != commit:
             progress.warn(f"{output} is of commit {other}, this is {commit}; --overwrite computes it again")
-        return provenance.read_flags(output)
+        return read_flags(output)
     engines.check(options.engine, options.scheduler)
     fitting = _count_fitting_cases(run, options)
     writable_output(output)
     try:
         unfinished = work.open(**choices)
         finished = existing_dataset(work, **choices)  # under the lock it cannot change any more
-        study_notes += earlier_commits([unfinished, finished], commit)
+        commits = dict.fromkeys(str(found.get("git_commit")) for found in (unfinished, finished) if found)
+        words = "the earlier steps are of commit {}, the next of {}"
+        study_notes += [words.format(one, commit) for one in commits if one != commit]
         resumed, earlier, whole = resume_run(run, work, unfinished, finished, commit, progress)
         for line in [*study.choices, *describe_maps(study.cases)]:
             progress.report(line)
@@ -84,16 +84,16 @@ def run_campaign(
         sources: list[CaseFile | StoredCase] = [*files]
         with DatasetReader(output, earlier.study) if earlier and whole else nullcontext() as dataset:
             if dataset is not None:
-                held = dataset.bins(bins)
+                held = dataset.bins(run.bins)
                 sources = [
                     StoredCase(dataset, whole[at], held) if at in whole else file for at, file in enumerate(files)
                 ]
-            groups, late = assemble_cases(study, bins, sources, progress)
-            if finished is not None:
-                notes = [*provenance.carried_warnings(model, finished, earlier), *notes]
+            groups, late = assemble_cases(study, run.bins, sources, progress)
+            if finished is not None and earlier is not None:
+                notes = [*earlier.carried_warnings(finished), *notes]
             notes += late
             known = [finished] if finished is not None else []
-            groups[""].attrs.update(provenance.attributes(run, known, [*study_notes, *notes], command, commit))
+            groups[""].attrs.update(run.origin(known, [*study_notes, *notes], command, commit))
             work.write(groups, last_states(study, sources))
         work.publish()
     except (InputError, OSError):
@@ -110,7 +110,7 @@ def run_campaign(
 def _count_fitting_cases(run: Run, options: RunOptions) -> int:
     """Count the cases that this machine's memory holds at once; other machines check this where a case runs."""
     cases = run.study.cases
-    if options.engine in engines.REMOTE:
+    if options.engine == engines.REMOTE:
         return len(cases)
     asked = None if options.workers is None else min(options.workers, len(cases))
     return require_at_once([run.model.needs(case) for case in cases], asked)
@@ -121,7 +121,7 @@ def _run_cases(
 ) -> tuple[list[CaseFile], list[str]]:
     """Run the cases that no dataset holds ``whole``, ``fitting`` at once; returns the file of each, and warnings."""
     # Workers on other machines may have another working directory.
-    predictor = None if run.predictor is None else run.predictor.absolute()
+    predictor = None if run.start is None else run.start.absolute()
     cases = run.study.cases
     jobs = [
         Job(
@@ -130,16 +130,16 @@ def _run_cases(
             run.bins,
             work.case_file(name).absolute(),
             predictor,
-            run.record.height_maps.get(str(case.surface.map_path), ""),
+            run.height_maps.get(str(case.surface.map_path), ""),
         )
-        for case, name in zip(cases, run.record.case_names, strict=True)
+        for case, name in zip(cases, run.case_names, strict=True)
     ]
     total = sum(len(case.path) for case in cases)
     files = [CaseFile(job.file) for job in jobs]
     missing = [0 if number in whole else jobs[number].missing(files[number]) for number in range(len(cases))]
     progress.start(total, total - sum(missing))
     unfinished = [at for at, file in enumerate(files) if missing[at] or not (at in whole or file.has_constants)]
-    if options.engine in engines.REMOTE:  # the number of its cores is unknown
+    if options.engine == engines.REMOTE:  # the number of its cores is unknown
         workers, threads = options.workers or len(unfinished), 1
     else:
         cores = available_cores()

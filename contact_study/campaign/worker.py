@@ -5,7 +5,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,16 +21,9 @@ from contact_study.numerics import life
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
 from contact_study.numerics.time_series import LEAST_STATES, statistics_of
+from contact_study.results import schema
 from contact_study.results.observables import AVERAGED, observed, recorded
-from contact_study.results.schema import (
-    AUTOCORRELATION_STATES,
-    AUTOCORRELATION_TIME,
-    STANDARD_ERROR,
-    TRAJECTORY,
-    VARIABLES,
-    quantity_of,
-    roughness_values,
-)
+from contact_study.results.schema import AUTOCORRELATION_TIME, STANDARD_ERROR, TRAJECTORY, quantity_of
 from contact_study.results.state import Ensemble, InterfaceState, Step, Value
 from contact_study.study.case import Case, realise
 
@@ -82,7 +75,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             case = replace(case, solver=replace(case.solver, threads=threads if large else 1))
         if not kept.has_constants:
             constants = {
-                **({} if case.surface.absent else roughness_values(surface.roughness)),
+                **({} if case.surface.absent else schema.roughness_values(surface.roughness)),
                 **({"interaction_length": case.law.length} if case.law.attracts else {}),
                 **model.code.constants(case, surface),
             }
@@ -187,16 +180,16 @@ def _kept_warnings(case: Case, file: CaseWriter) -> Iterator[Callable[[], None]]
         yield keep
 
 
+@dataclass
 class Averages:
     """Averages of the observables of successive states after ``discarded`` ones; None: only the last state counts."""
 
-    def __init__(self, bins: Bins, fields: bool, discarded: int | None = 0):
-        self._bins = bins
-        self._fields = fields
-        self._discarded = discarded
-        self._series: dict[str, list[Any]] = {}
-        self._sums: dict[str, np.ndarray] = {}
-        self._last: InterfaceState | None = None
+    bins: Bins
+    fields: bool
+    discarded: int | None
+    series: dict[str, list[Any]] = field(default_factory=dict)
+    sums: dict[str, np.ndarray] = field(default_factory=dict)
+    last: InterfaceState | None = None
 
     @classmethod
     def restored(cls, kept: Mapping[str, np.ndarray], bins: Bins, fields: bool) -> "Averages | None":
@@ -204,55 +197,53 @@ class Averages:
         if not np.array_equal(kept[_BINS], np.ravel(bins.spans)) or bool(kept[_FIELDS][0]) != fields:
             return None
         discarded = int(kept[_FIELDS][1])
-        averages = cls(bins, fields, None if discarded == _ALL_BUT_ONE else discarded)
-        averages._series = {name: list(values) for name, values in _part(kept, _SERIES).items()}
-        averages._sums = {name: values.copy() for name, values in _part(kept, _SUMS).items()}
-        return averages
+        series = {name: list(values) for name, values in _part(kept, _SERIES).items()}
+        return cls(bins, fields, None if discarded == _ALL_BUT_ONE else discarded, series, _part(kept, _SUMS))
 
     def add(self, state: InterfaceState) -> None:
         """Add a state."""
-        self._last = state
-        for name, value in observed(state, self._bins).items():
+        self.last = state
+        for name, value in observed(state, self.bins).items():
             if name in AVERAGED or name == _TIME:
-                self._series.setdefault(name, []).append(value)
-        if self._fields and self._counted > 0:
+                self.series.setdefault(name, []).append(value)
+        if self.fields and self._counted > 0:
             for name in ("gap", "pressure"):
-                more = name in self._sums and self._discarded is not None
-                field = getattr(state, name)
-                self._sums[name] = self._sums[name] + field if more else field.copy()
+                more = name in self.sums and self.discarded is not None
+                new = getattr(state, name)
+                self.sums[name] = self.sums[name] + new if more else new.copy()
 
     @property
     def _counted(self) -> int:
         """Number of averaged states so far; none if negative."""
-        return 1 if self._discarded is None else len(next(iter(self._series.values()))) - self._discarded
+        return 1 if self.discarded is None else len(next(iter(self.series.values()))) - self.discarded
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
         """All that :meth:`restored` needs, with the restart of the last state."""
-        assert self._last is not None
+        assert self.last is not None
         return {
-            _BINS: np.ravel(self._bins.spans),
-            _FIELDS: np.array([int(self._fields), _ALL_BUT_ONE if self._discarded is None else self._discarded]),
-            **{f"{_SERIES}{name}": np.array(values) for name, values in self._series.items()},
-            **{f"{_SUMS}{name}": values for name, values in self._sums.items()},
-            **{f"{_RESTART}{name}": values for name, values in self._last.restart.items()},
+            _BINS: np.ravel(self.bins.spans),
+            _FIELDS: np.array([int(self.fields), _ALL_BUT_ONE if self.discarded is None else self.discarded]),
+            **{f"{_SERIES}{name}": np.array(values) for name, values in self.series.items()},
+            **{f"{_SUMS}{name}": values for name, values in self.sums.items()},
+            **{f"{_RESTART}{name}": values for name, values in self.last.restart.items()},
         }
 
     def step(self) -> Step:
         """Means with standard errors, and the series of scalars; of detached surfaces, and of atoms, the last state."""
-        last = self._last
+        last = self.last
         assert last is not None
-        report = {name: value for name, value in observed(last, self._bins).items() if name not in AVERAGED}
-        series = {name: np.array(values) for name, values in self._series.items()}
+        report = {name: value for name, value in observed(last, self.bins).items() if name not in AVERAGED}
+        series = {name: np.array(values) for name, values in self.series.items()}
         frames = {f"{TRAJECTORY}/{name}": values for name, values in series.items() if values.ndim == 1}
         if last.report.detached:
-            fields = {"gap": last.gap, "pressure": last.pressure} if self._fields else {}
-            return Step({**observed(last, self._bins), **frames}, {**fields, **last.atoms}, last.restart, self._bins)
+            fields = {"gap": last.gap, "pressure": last.pressure} if self.fields else {}
+            return Step({**observed(last, self.bins), **frames}, {**fields, **last.atoms}, last.restart, self.bins)
         values: dict[str, Any] = {}
         unresolved: dict[str, float] = {}  # least autocorrelation time in states
         counted = self._counted
         # The interval between two states: in s for a motion, else 1.
-        memory, interval = AUTOCORRELATION_STATES, 1.0
+        memory, interval = schema.AUTOCORRELATION_STATES, 1.0
         if _TIME in series:
             times = series[_TIME][-counted:]
             memory, interval = AUTOCORRELATION_TIME, float(np.mean(np.diff(times))) if counted > 1 else 0.0
@@ -262,7 +253,7 @@ class Averages:
             column = whole[-counted:]
             found = statistics_of(column)
             # A count or a flag takes the value nearest to the mean.
-            values[name] = found.mean if VARIABLES[name].kind == "float" else np.rint(found.mean)
+            values[name] = found.mean if schema.VARIABLES[name].kind == "float" else np.rint(found.mean)
             if counted == 1:  # no error
                 continue
             values[name + STANDARD_ERROR] = found.standard_error
@@ -270,15 +261,15 @@ class Averages:
                 values[name + memory] = found.autocorrelation_time * interval if found.resolved else np.nan
                 if not found.resolved and np.isfinite(column).all():
                     unresolved[name] = float(found.autocorrelation_time)
-        if counted == 1 and self._discarded is not None:
+        if counted == 1 and self.discarded is not None:
             more = "dynamics.frames" if memory == AUTOCORRELATION_TIME else "sampling.trajectories"
             warnings.warn(
                 f"one state of a point counts: there is no mean and no standard error; raise {more}", stacklevel=2
             )
         if unresolved:
             warnings.warn(_too_short(counted, interval, memory, unresolved), stacklevel=2)
-        fields = {name: total / counted for name, total in self._sums.items()}
-        return Step({**values, **report, **frames}, {**fields, **last.atoms}, last.restart, self._bins)
+        fields = {name: total / counted for name, total in self.sums.items()}
+        return Step({**values, **report, **frames}, {**fields, **last.atoms}, last.restart, self.bins)
 
 
 def _too_short(counted: int, interval: float, memory: str, unresolved: Mapping[str, float]) -> str:

@@ -114,7 +114,7 @@ def guarded(command: str, body: Any, interrupted: str = "finished steps are kept
 
 def report_convergence(command: str, groups: "Mapping[str, xr.Dataset]") -> int:
     """Print a line for each group of a dataset with steps that did not converge; returns the exit status."""
-    from contact_study.campaign.dataset.provenance import unconverged
+    from contact_study.campaign.dataset.file import unconverged
 
     lines = list(unconverged(groups))
     for line in lines:

@@ -13,7 +13,7 @@ from typing import Any
 import xarray as xr
 
 import contact_study
-from contact_study.campaign.dataset.provenance import git_commit
+from contact_study.campaign.record import git_commit
 from contact_study.campaign.store.files import writable_output, writing
 from contact_study.inputs.errors import DONE, NOT_CONVERGED, InputError
 from contact_study.report.align.deviations import MISSING, compute_deviations, ensemble_statistics, pairs_of

@@ -23,8 +23,6 @@ def study(tmp_path):
 
 @pytest.fixture
 def run(tmp_path, capsys):
-    """Run a study on an output; returns the status, the steps solved and what was said."""
-
     def run_study(table, *arguments, output="bem.nc", model=TOY):
         (tmp_path / "study.toml").write_text(tomli_w.dumps(table))
         SOLVED.clear()
@@ -37,7 +35,6 @@ def run(tmp_path, capsys):
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory):
-    """The dataset of a study, run once for all tests: none may change it."""
     known = {}
 
     def build(table, *arguments, model=TOY, name="bem.nc"):
@@ -55,15 +52,12 @@ def built(tmp_path_factory):
 
 @pytest.fixture
 def finished(built, tmp_path):
-    """The dataset of the study, at the output."""
     for name in ("bem.nc", "bem.nc.restart"):
         shutil.copy(built(BASE).with_name(name), tmp_path)
 
 
 @pytest.fixture
 def after_step(monkeypatch):
-    """Do something once so many steps are saved."""
-
     @contextmanager
     def patched(act, count=1):
         save, saved = CaseWriter.save_step, []
@@ -82,7 +76,6 @@ def after_step(monkeypatch):
 
 
 def fail(error):
-    """A function that raises this."""
     return Mock(side_effect=error)
 
 
@@ -91,8 +84,6 @@ interrupt = fail(KeyboardInterrupt)
 
 @pytest.fixture
 def stopped(run, after_step):
-    """Interrupt a run after so many steps."""
-
     def stop(table, after, *arguments, **options):
         with after_step(interrupt, after):
             assert run(table, *arguments, **options)[0] == 130

@@ -18,7 +18,6 @@ def die(report):
 
 
 def meet(mine, others, report):
-    """Leave a file and report the process once another task has left its file: they run at the same time."""
     mine.touch()
     deadline = time.monotonic() + 60
     while not others.exists() and time.monotonic() < deadline:
@@ -28,7 +27,6 @@ def meet(mine, others, report):
 
 
 def report_on(seconds, report):
-    """Report again and again for so long, and fail: somebody should have ended this."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         report("on")
@@ -41,7 +39,6 @@ def leave(path, report):
 
 
 def wait_for(path, report):
-    """Report, wait for a file, report twice and leave another file."""
     report("begun")
     deadline = time.monotonic() + 60
     while not path.exists() and time.monotonic() < deadline:

@@ -1,5 +1,3 @@
-"""The file of a case: what is kept, for how long, and who may write."""
-
 import numpy as np
 import pytest
 

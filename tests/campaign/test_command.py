@@ -1,21 +1,24 @@
-"""The commands' face: exit status, one clear line for bad input, the dataset's form."""
-
+import importlib.metadata
 import os
 import subprocess
 import sys
+import types
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study import start
+from contact_study.campaign import record
 from contact_study.campaign.dataset.file import chunks_of
+from contact_study.inputs.errors import INTERRUPTED
+from tests.campaign.conftest import interrupt
 from tests.campaign.toy_study import BASE, TABLE, assert_same, names
 
 RATIO = "--interaction.well_depth_ratio"
 
 
 def swept(**sweep):
-    """The study with other keys swept beside the ratio, instead of the seed."""
     keys = {name.replace("_", ".", 1): values for name, values in sweep.items()}
     return {**TABLE, "sweep": {"interaction.well_depth_ratio": [1, 4], **keys}}
 
@@ -51,7 +54,6 @@ def test_writes_the_dataset(built):
 
 
 def test_constants_of_swept_keys_stand_beside_them(run, tmp_path):
-    """A constant that has the name of a swept key, whose dimension has the values asked for."""
     run(swept(interaction_work_of_adhesion=[0.5, 0.7]))
     wider = ["--interaction.work_of_adhesion", "[0.5, 0.7, 0.9]"]
     assert run(swept(interaction_work_of_adhesion=[0.5, 0.7]), "--resume", *wider)[0] == 0
@@ -80,7 +82,6 @@ def test_existing_output_is_refused(run, tmp_path):
 
 
 def test_points_of_a_sweep_with_other_cells_and_grids(built):
-    """Positions are no longer indices; the smaller grid is padded at its ends."""
     with xr.open_dataset(built(swept(surface_size=["100 angstrom", "200 angstrom"]))) as dataset:
         assert dataset.y.dims == ("size", "y_index")
         np.testing.assert_allclose(dataset.y.values[1], 2 * dataset.y.values[0])
@@ -99,7 +100,6 @@ def test_points_of_a_sweep_with_other_cells_and_grids(built):
 
 @pytest.mark.parametrize(("ratio", "where"), [(5, ""), (6, ' at theory="gap_flow", metastable_branch="loading" in')])
 def test_non_convergence_is_said_and_written(run, tmp_path, ratio, where):
-    """Of every group."""
     for how in ((), ("--resume",)):
         status, _, said = run(TABLE, *how, RATIO, f"[1, {ratio}]")
         assert status == 2
@@ -110,19 +110,14 @@ def test_non_convergence_is_said_and_written(run, tmp_path, ratio, where):
         np.testing.assert_array_equal(flags, [1, 0, 1])
 
 
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        (["--loading.path", "-1e3, 2e3"], ["] well_depth_ratio = 1.0, seed = 1: -1000 Pa,", "2000 Pa,"]),
-        (["--loading.path", "-0.5 MPa"], ["-0.5 MPa,"]),
-        (["--loading.path", "-.5 MPa,3 kPa"], ["-0.5 MPa,", "0.003 MPa,"]),
-        (["--loading.control", "gap", "--loading.path", "5 angstrom, 1 nm"], ["gap 10 angstrom,"]),
-    ],
-)
-def test_progress_is_in_the_unit_of_the_study(run, keys, said):
-    status, _, shown = run(TABLE, *keys)
-    assert status == 0
-    for words in said:
+def test_progress_is_in_the_unit_of_the_study(run):
+    for path, words in (
+        (["-1e3, 2e3"], "] well_depth_ratio = 1.0, seed = 1: -1000 Pa,"),
+        (["-.5 MPa,3 kPa"], "0.003 MPa,"),
+        (["5 angstrom, 1 nm", "--loading.control", "gap"], "gap 10 angstrom,"),
+    ):
+        status, _, shown = run(TABLE, "--overwrite", "--loading.path", *path)
+        assert status == 0
         assert words in shown
 
 
@@ -178,3 +173,34 @@ def test_help_on_a_terminal_without_greek():
     done = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONIOENCODING": "ascii"})
     assert done.returncode == 0, done.stderr
     assert b"exit status: 0 done" in done.stdout
+
+
+COMMANDS = ["bem-adhesion", "md-reference", "persson-theory", "contact-compare", "contact-merge"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_start_and_are_interrupted_while_their_libraries_are_read(command, monkeypatch, capsys):
+    (entry,) = importlib.metadata.entry_points(group="console_scripts", name=command)
+    assert entry.module == "contact_study.start"
+    main = getattr(start, command.replace("-", "_"))
+    monkeypatch.setattr(sys, "argv", [command, "--version"])
+    assert main() == 0
+    assert capsys.readouterr().out.startswith(f"{command} ")
+    interrupting = types.ModuleType("program")  # whose import takes so long that one presses Ctrl-C
+    interrupting.__getattr__ = interrupt
+    monkeypatch.setitem(sys.modules, "contact_study.command_line.program", interrupting)
+    assert main() == INTERRUPTED == 130
+    assert capsys.readouterr().err == f"{command}: interrupted before it began\n"
+
+
+@pytest.mark.parametrize("place", [".", ".venv/site-packages", None])
+def test_only_a_checkout_names_its_commit(tmp_path, monkeypatch, place):
+    git = ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b.c"]
+    if place is not None:
+        subprocess.run([*git, "init", "-q"], check=True)
+        subprocess.run([*git, "commit", "-q", "--allow-empty", "-m", "theirs"], check=True)
+    folder = tmp_path / (place or ".") / "contact_study/campaign"
+    folder.mkdir(parents=True)
+    monkeypatch.setattr(record, "__file__", str(folder / "record.py"))
+    head = subprocess.run([*git, "rev-parse", "HEAD"], capture_output=True, text=True).stdout.strip()
+    assert record.git_commit.__wrapped__() == (head if place == "." else "unknown")

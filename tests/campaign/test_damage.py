@@ -1,5 +1,3 @@
-"""Inputs and datasets that are damaged, or no files at all: one line that names them."""
-
 import multiprocessing
 import os
 import random
@@ -23,7 +21,6 @@ pytestmark = pytest.mark.usefixtures("toy_is_the_continuum")
 
 @pytest.fixture
 def ways(finished, run, tmp_path, capsys):
-    """Every way to use the dataset at bem.nc; each returns its status and what it says."""
     run(FEWER, output="other.nc")
     dataset, other, new = (str(tmp_path / name) for name in ("bem.nc", "other.nc", "new.nc"))
 

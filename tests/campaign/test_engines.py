@@ -1,5 +1,3 @@
-"""What every engine owes: each task once, its reports here, the first error raised; and cases on a Dask cluster."""
-
 import os
 import pickle
 import signal
@@ -23,7 +21,6 @@ pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own, on its way down
 
 
 def started(workers, **options):
-    """A cluster of workers, each a process under a nanny."""
     distributed = pytest.importorskip("distributed")
     return distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=50, **options
@@ -108,8 +105,6 @@ def test_tasks_nobody_waits_for_end_themselves(cluster, tmp_path):
 
 @pytest.fixture
 def dask(run):
-    """Run the study on a cluster."""
-
     def on_cluster(address, *arguments, output="dask.nc"):
         where = ("--engine", "dask", "--scheduler", str(getattr(address, "scheduler_address", address)))
         return run(TABLE, *where, *arguments, "--workers", "4", output=output)

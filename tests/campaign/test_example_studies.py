@@ -1,5 +1,3 @@
-"""The example studies that come with the package, and what the shell completes."""
-
 import io
 import os
 from functools import partial
@@ -63,7 +61,6 @@ def test_what_is_no_example(arguments, words, tmp_path, monkeypatch, capsys):
 
 
 def test_the_sphere_comes_off_where_jkr_says():
-    """The pull-off pressure that the first line names, -3/2 pi R w over the cell, is between the last points."""
     (case,) = read_study(Path(__file__).parents[2] / "contact_study/example_studies/sphere.toml").cases
     pull_off = -1.5 * np.pi * case.surface.radius * case.work_of_adhesion / np.prod(case.surface.size)
     assert f"here {pull_off / 1e6:.1f} MPa" in example("sphere").splitlines()[0]
@@ -71,7 +68,6 @@ def test_the_sphere_comes_off_where_jkr_says():
 
 
 def completions_of(line, monkeypatch, command):
-    """What a shell is offered behind a line, from a command's main in this process."""
     import argcomplete
 
     asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}

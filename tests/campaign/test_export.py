@@ -1,5 +1,3 @@
-"""Atoms as extended XYZ read back by ASE; fields for ParaView, read back as VTK lays them out: x fastest."""
-
 import pathlib
 import sys
 import warnings
@@ -7,6 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy import constants
 
 import contact_study
@@ -16,12 +15,14 @@ from contact_study.plots.maps import NEEDED
 from contact_study.report.align.states import read_atoms
 from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.read.datasets import read_inputs
+from contact_study.results.schema import COORDINATES, VARIABLES
 from contact_study.start import contact_compare
 from contact_study.study.study import make_study
 from md_reference.study.dynamics import build_block
 from md_reference.study.model import check
 from tests.campaign.test_library import STUDY
-from tests.md_reference.systems import R0, SPACING, WELL_DEPTH, moving
+from tests.md_reference.systems import moving
+from tests.report.synthetic import write
 
 ANGSTROM = 1e-10
 DIGITS = 1e-8  # of every number, as ASE writes it
@@ -45,42 +46,31 @@ def moved():
         return contact_study.run(study, "atomistic")
 
 
-def pair_force(offsets):
-    """Force (N) of sites at ``offsets`` (m) from them to one atom: Lennard-Jones with the switch from 0.9 to 1 r_c."""
-    s = np.sum(offsets**2, axis=-1) / R0**2
-    cutoff2 = 16.0
-    u = np.clip((s - 0.81 * cutoff2) / (0.19 * cutoff2), 0, 1)
-    switch, slope = (1 - u) ** 3 * (1 + 3 * u + 6 * u**2), -30 * u**2 * (1 - u) ** 2 / (0.19 * cutoff2)
-    energy_slope = (3 * s**-4 - 6 * s**-7) * switch + (s**-6 - s**-3) * slope
-    return np.sum(-8 * WELL_DEPTH * energy_slope[:, None] * offsets / R0**2, axis=0)
-
-
-def test_stresses_follow_from_the_positions(dataset, tmp_path):
+def test_atoms_are_those_of_the_dataset(dataset, tmp_path):
     ase_io = pytest.importorskip("ase.io", reason="extra xyz")
     (path,) = to_xyz(dataset, tmp_path / "atoms.xyz")
     frames = ase_io.read(path, index=":")
     assert [frame.info["step"] for frame in frames] == [0, 1, 2]
-    frame = frames[0]
-    assert set(frame.numbers) == {0}  # no element
-    block, sites = frame[frame.arrays["level"] == 0], frame[frame.arrays["level"] == -1]
+    assert set(frames[0].numbers) == {0}  # no element
+    assert frames[0].pbc.tolist() == [True, True, False]
+    np.testing.assert_allclose(frames[0].cell.lengths()[:2], 41.6, rtol=1e-12)
+    block, sites = (frames[0][frames[0].arrays["level"] == level] for level in (0, -1))
     np.testing.assert_allclose(block.get_masses(), 197, rtol=1e-9)
     assert np.isinf(sites.get_masses()).all()
     assert (len(block), len(sites)) == (16 * 16, 26 * 26)
-    assert frame.pbc.tolist() == [True, True, False]
-    period = frame.cell.lengths()[:2]
-    np.testing.assert_allclose(period, 41.6, rtol=1e-12)
-    strongest = np.argsort(-np.abs(block.arrays["shear_stress"]).max(axis=1))[:5]
-    for number in strongest:
-        offset = block.positions[number] - sites.positions
-        offset[:, :2] -= period * np.round(offset[:, :2] / period)
-        force = pair_force(offset * ANGSTROM)
-        told = [*block.arrays["shear_stress"][number], block.arrays["normal_stress"][number]]
-        # Digits of the positions times the stiffest pairs, 100 GPa/Å.
-        np.testing.assert_allclose(force / SPACING**2 / 1e9, told, atol=1e-5)
+    state = dataset.isel(step=0)
+    x, y = ((state[axis] + state[f"lateral_displacement_{axis}"]).transpose("y", "x") for axis in ("x", "y"))
+    for column, values in (
+        (block.positions, (1e10 * x, 1e10 * y, 1e10 * state.atom_height)),
+        (block.arrays["shear_stress"], (1e-9 * state.shear_stress_x, 1e-9 * state.shear_stress_y)),
+        (block.arrays["normal_stress"][:, None], (1e-9 * state.normal_stress,)),
+    ):
+        np.testing.assert_allclose(column, np.stack([own.values.ravel() for own in values], axis=-1), atol=2 * DIGITS)
+    at = {f"site_{axis}": xr.DataArray(ANGSTROM * sites.positions[:, number]) for number, axis in enumerate("xy")}
+    below = state.substrate_height.sel(at, method="nearest")
+    np.testing.assert_allclose(sites.positions[:, 2], 1e10 * below, atol=2 * DIGITS)
     assert np.all(sites.arrays["normal_stress"] == 0)
     assert np.all(frames[2].arrays["normal_stress"] == 0)  # torn off
-    (path,) = to_xyz(dataset.drop_vars("atom_mass"), tmp_path / "bare.xyz")
-    assert "masses" not in ase_io.read(path, index=0).arrays
 
 
 def test_explicit_block_has_its_levels_and_velocities(moved, tmp_path):
@@ -102,9 +92,8 @@ def test_explicit_block_has_its_levels_and_velocities(moved, tmp_path):
             np.testing.assert_allclose(np.diff(own[..., along], axis=axis), edge, atol=0.2)
     np.testing.assert_allclose(nodes.positions[:256, 2] * ANGSTROM, surface.atom_height.values.ravel(), atol=DIGITS)
     np.testing.assert_allclose(velocity[:256, 0] * 100, surface.velocity_x.values.ravel(), atol=100 * DIGITS)
-    mass = constants.atomic_mass * nodes.get_masses()
-    kinetic = np.sum(mass[:, None] * (100 * velocity) ** 2)
-    assert 0.5 * kinetic / 41.6e-10**2 == pytest.approx(surface.kinetic_energy.item(), rel=1e-6)
+    kinetic = 0.5 * constants.atomic_mass * np.sum(nodes.get_masses()[:, None] * (100 * velocity) ** 2)
+    assert kinetic / 41.6e-10**2 == pytest.approx(surface.kinetic_energy.item(), rel=1e-6)
     np.testing.assert_allclose(velocity[block.nodes_of(block.mass)[0] == 0, 2], velocity[-1, 2])
     assert velocity[-1, 2] < -1.0  # still coming down, Å/ps
 
@@ -115,8 +104,6 @@ def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
     with_atoms = {**without, "output": {"atoms": "surface"}}
     with pytest.warns(UserWarning, match=r"output\.atoms = surface: the earlier run did not keep its atoms"):
         assert "substrate_height" in contact_study.run(with_atoms, "atomistic", output=kept, resume=True)
-    with pytest.raises(ValueError, match=r"it keeps atoms by output\.atoms = surface, this study has none: set it so"):
-        contact_study.run(without, "atomistic", output=kept, resume=True)
     with pytest.raises(ValueError, match=r'output\.atoms = "block".*use "surface"'):
         check(make_study({**without, "output": {"atoms": "block"}}).cases[0])
     contact_study.run(without, output=tmp_path / "bem.nc")
@@ -132,8 +119,7 @@ def test_picture_shows_the_row_under_the_largest_tension(dataset):
     at = state.isel(y=row, x=column)
     told = [float(at.x + at.lateral_displacement_x), float(at.atom_height)]
     np.testing.assert_allclose(atoms.get_offsets()[np.argmin(atoms.get_array())] * 1e-9, told, rtol=1e-9)
-    y = float(at.y + state.lateral_displacement_y[row].mean())
-    below = state.substrate_height.sel(site_y=y, method="nearest")
+    below = state.substrate_height.sel(site_y=float(at.y + state.lateral_displacement_y[row].mean()), method="nearest")
     np.testing.assert_allclose(np.sort(sites.get_offsets()[:, 1]) * 1e-9, np.sort(below), rtol=1e-9)
     given = plots.atoms(state, centre=(float(state.y[3]), 0.0))
     np.testing.assert_allclose(np.sort(given.collections[1].get_array()), np.sort(state.normal_stress[3] / 1e9))
@@ -155,7 +141,6 @@ def test_comparison_reads_the_atoms_of_its_state(dataset, tmp_path):
 
 
 def image(path):
-    """Spacing, and the arrays by name, shape (y, x)."""
     content = path.read_bytes()
     head, _, data = content.partition(b'<AppendedData encoding="raw">')
     data = data[data.index(b"_") + 1 :]
@@ -197,14 +182,14 @@ def test_fields_are_those_of_the_dataset(fields, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("write", "field", "key", "suffix", "library"),
+    ("save", "field", "key", "suffix", "library"),
     [
         (to_vtk, "gap", r"output\.fields", "pvd", "pyevtk.hl"),
         (to_xyz, "atom_height", r"output\.atoms", "xyz", "ase.io"),
     ],
 )
-def test_what_cannot_be_written(dataset, fields, tmp_path, monkeypatch, write, field, key, suffix, library):
-    one = fields if write is to_vtk else dataset
+def test_what_cannot_be_written(dataset, fields, tmp_path, monkeypatch, save, field, key, suffix, library):
+    one = fields if save is to_vtk else dataset
     for given, name, culprit in (
         (one.expand_dims({"seed": [1, 2]}), f"a.{suffix}", r"dataset\.isel\(seed=0\)"),
         (one.drop_vars(field), f"a.{suffix}", key),
@@ -213,8 +198,21 @@ def test_what_cannot_be_written(dataset, fields, tmp_path, monkeypatch, write, f
         (one, "", ": is the name of a folder"),
     ):
         with pytest.raises(ValueError, match=culprit):
-            write(given, f"{tmp_path}/{name}")
+            save(given, f"{tmp_path}/{name}")
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(ValueError, match=r"pip install '\.\["):
-        write(one, tmp_path / f"a.{suffix}")
+        save(one, tmp_path / f"a.{suffix}")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.filterwarnings("ignore::pint.UnitStrippedWarning")  # of indices, which are kept as they are
+def test_a_dataset_is_quantified_and_converted(tmp_path):
+    pytest.importorskip("pint_xarray")
+    units = pytest.importorskip("cf_xarray.units").units
+    for unit in {entry.units for entry in {**VARIABLES, **COORDINATES}.values()}:
+        assert units.parse_units(unit) is not None
+    with xr.open_dataset(write(tmp_path / "bem.nc", "continuum")) as dataset:
+        found = dataset.pint.quantify(unit_registry=units)
+        in_millijoules = found.elastic_energy.pint.to("mJ/m^2").pint.dequantify()
+        np.testing.assert_allclose(in_millijoules, 1e3 * dataset.elastic_energy, rtol=1e-12)
+        assert (found.pressure_pdf * found.mean_pressure).pint.to("").pint.units == units.dimensionless

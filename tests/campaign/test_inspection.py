@@ -1,5 +1,3 @@
-"""``inspect``, and what a run says and keeps of its surface."""
-
 import matplotlib.image
 import numpy as np
 import pytest

@@ -1,5 +1,3 @@
-"""Runs that are stopped, and what of their steps is taken up again."""
-
 import os
 import signal
 import subprocess
@@ -11,7 +9,7 @@ import pytest
 import tomli_w
 import xarray as xr
 
-from contact_study.campaign.dataset import provenance
+from contact_study.campaign import record
 from contact_study.campaign.store.case_file import CaseFile
 from tests.campaign.toy_study import MORE, assert_same, changed, steps_on_disk
 
@@ -48,7 +46,6 @@ ONE = changed(sweep={"interaction.well_depth_ratio": [2]}, loading={"path": ["0.
 
 @pytest.fixture
 def interrupted(stopped, tmp_path):
-    """The folder of the steps of a run that was stopped after three of four."""
     stopped(ONE, 3)
     assert not (tmp_path / "bem.nc").exists()
     return tmp_path / "bem.nc.parts"
@@ -111,22 +108,7 @@ def test_what_is_damaged_on_disk_is_computed_again(run, built, interrupted, tmp_
 
 
 def test_another_commit_is_said(run, interrupted, monkeypatch):
-    monkeypatch.setattr(provenance, "git_commit", lambda: "another")
+    monkeypatch.setattr(record, "git_commit", lambda: "another")
     assert "the next of another" in run(ONE, "--resume")[2]
     monkeypatch.undo()
     assert "is of commit another" in run(ONE, "--resume")[2]
-
-
-@pytest.mark.parametrize("content", [None, "[1]"])
-def test_steps_without_a_manifest_are_not_mixed(run, interrupted, tmp_path, content):
-    manifest = interrupted / "manifest.json"
-    manifest.unlink()
-    if content is not None:
-        manifest.write_text(content)
-    before = sorted(tmp_path.rglob("*"))
-    assert run(ONE)[0] == 1
-    status, _, said = run(ONE, "--resume")
-    assert status == 1
-    assert "has lost the record of its run (manifest.json)" in said
-    assert sorted(tmp_path.rglob("*")) == before
-    assert run(ONE, "--overwrite")[0] == 0

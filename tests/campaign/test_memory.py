@@ -1,5 +1,3 @@
-"""What a case may use of a machine's memory: inside a job's limit, beside others, on a worker's machine."""
-
 import dataclasses
 import socket
 
@@ -9,7 +7,7 @@ from contact_study.campaign import engines, memory
 from contact_study.campaign import run as runner
 from contact_study.campaign.record import prepare_run
 from contact_study.inputs.errors import InputError
-from contact_study.study.study import bins_of, make_study
+from contact_study.study.study import make_study
 from tests.campaign.toy_model import TOY
 from tests.campaign.toy_study import changed
 from tests.commands import main
@@ -98,14 +96,15 @@ def test_more_workers_than_memory_holds_are_refused(run, tmp_path, monkeypatch):
 
 
 def test_on_other_machines_each_case_says_so_where_it_runs(monkeypatch):
-    cases = make_study(changed())
-    run = prepare_run(TOY, cases, bins_of(cases))
+    run = prepare_run(TOY, make_study(changed()))
     monkeypatch.setattr(memory, "_memory", lambda: 0.5 * NEED)
     assert runner._count_fitting_cases(run, runner.RunOptions(workers=100, engine="dask")) == 2
-    with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
-        runner._count_fitting_cases(run, runner.RunOptions())
-    with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
-        memory.require(TOY.needs(cases.cases[0]))
+    for check in (
+        lambda: runner._count_fitting_cases(run, runner.RunOptions()),
+        lambda: memory.require(TOY.needs(run.study.cases[0])),
+    ):
+        with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
+            check()
 
 
 def test_a_worker_has_its_share(monkeypatch):

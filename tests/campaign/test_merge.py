@@ -1,5 +1,3 @@
-"""Datasets of one study joined: what one run of the whole study writes, and nothing else."""
-
 import shutil
 
 import netCDF4
@@ -28,8 +26,6 @@ def with_sweep(table=UNSWEPT, **keys):
 
 @pytest.fixture
 def merge(tmp_path, capsys):
-    """Join datasets; returns the status and what was said."""
-
     def merged(*arguments, output="all.nc"):
         capsys.readouterr()
         status = merge_main([*map(str, arguments), "-o", str(tmp_path / output)])
@@ -40,14 +36,11 @@ def merge(tmp_path, capsys):
 
 @pytest.fixture(scope="module")
 def seeds(built):
-    """One dataset for each seed, as a job array writes them."""
     return [built(WHOLE, SEED, str(number)) for number in (1, 2, 3)]
 
 
 @pytest.fixture
 def refused(merge, tmp_path):
-    """Join datasets in vain: one line that has these words, and nothing is written."""
-
     def refuse(arguments, *words, output="none.nc"):
         before = names(tmp_path)
         status, said = merge(*arguments, output=output)

@@ -1,5 +1,3 @@
-"""Gap fields of another dataset are found by case, pressure and visit."""
-
 import re
 from functools import partial
 
@@ -16,7 +14,6 @@ PATH = [1e8, 1e9, 1e8, 2e9]
 
 
 def study(ratio=(1, 4), seed=1, **sections):
-    """A study that sweeps some ratios, or one of a single case, with further sections and keys."""
     if isinstance(ratio, tuple):
         table = changed("sweep", **{"interaction.well_depth_ratio": [*ratio]})
     else:
@@ -31,7 +28,6 @@ def study(ratio=(1, 4), seed=1, **sections):
 
 
 def content_of(study, path, **attrs):
-    """A dataset whose gap fields hold the number of their state, as a campaign would write it for a study."""
     shape = (*(len(key.values) for key in study.sweep.values()), len(PATH))
     dims = (*study.sweep, "step")
     gap = np.arange(float(np.prod(shape))).reshape(shape)[..., None, None] + np.zeros((3, 5))
@@ -115,7 +111,6 @@ def test_states_of_other_accuracy_yield_to_those_of_the_same(tmp_path):
 OTHERS = {
     "surface.seed is 1 there and 2 here": {"surface": {"seed": 2}},
     "surface.rms_height is 1e-09 there and 9e-10 here": {"surface": {"rms_height": "9 angstrom"}},
-    "surface.size": {"surface": {"size": ["104 nm", "52 nm"]}},
     "loading.control is pressure there and gap here": {"loading": {"control": "gap", "path": ["1 nm"]}},
     'atomistic.method = "overdamped" start from separation': {"atomistic": {"method": "overdamped"}},
     'atomistic.method = "dynamics" start from separation': {"atomistic": {"method": "dynamics"}},
@@ -129,7 +124,6 @@ NOT_SAID = [
     {"surface": {"shape": [128, 128]}},  # another grid of the same surface
     {"interaction": {"contact_distance": "3.8 angstrom"}},
     {"material": {"atom_mass": "197 u"}},
-    {"atomistic": {"cutoff": 5.0}},
     {"solver": {"tolerance": 1e-10}},
     {"surface": {"size": "104 nm"}},  # as written elsewhere: 1040 angstrom
 ]

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import tomli_w
 import xarray as xr
 
 import bem_adhesion.study.paths
@@ -7,6 +8,9 @@ from contact_study import start
 from contact_study.campaign import progress as module
 from contact_study.campaign.progress import Progress
 from contact_study.numerics import life
+from tests.campaign import test_library
+
+STUDY = {**test_library.STUDY, "loading": {"path": ["1 GPa"]}, "sweep": {}}
 
 
 def test_a_line_says_what_became_of_a_step(capsys):
@@ -27,7 +31,6 @@ def test_a_line_says_what_became_of_a_step(capsys):
 
 
 def test_a_long_step_shows_life(monkeypatch, capsys):
-    """In a log every half minute, with an estimate by what is usual, or by the steps before."""
     now = [100.0]
     monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
     progress = Progress("toy")
@@ -78,7 +81,8 @@ def test_a_listener_is_told_of_the_iterations_of_a_step(monkeypatch):
 def test_every_solver_gives_signs_of_life(model, points, keys, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(life, "PAUSE", 0.0)
     monkeypatch.setattr(module, "_HALF_MINUTE", 0.0)
-    (tmp_path / "study.toml").write_text(STUDY.replace("[16, 16]", f"[{points}, {points}]"))
+    surface = {**STUDY["surface"], "shape": [points, points]}
+    (tmp_path / "study.toml").write_text(tomli_w.dumps({**STUDY, "surface": surface}))
     given = ["run", str(tmp_path / "study.toml"), "--model", model, "--workers", "1", *keys]
     assert start.bem_adhesion([*given, "-o", str(tmp_path / "told.nc")]) == 0
     assert "at work: iteration 1" in capsys.readouterr().err
@@ -90,29 +94,9 @@ def test_every_solver_gives_signs_of_life(model, points, keys, tmp_path, monkeyp
             xr.testing.assert_equal(told.drop_vars("wall_time"), alone.drop_vars("wall_time"))
 
 
-STUDY = """
-[surface]
-kind = "wavy"
-size = "4.16 nm"
-shape = [16, 16]
-amplitude = "1 angstrom"
-modes = [1, 1]
-[material]
-youngs_modulus = "77.2 GPa"
-poissons_ratio = 0.42
-lattice_constant = "2.6 angstrom"
-[interaction]
-well_depth = "18.6 meV"
-length = "3.28 angstrom"
-[loading]
-path = ["1 GPa"]
-[output]
-fields = true
-"""
-
-
 def test_tension_on_separated_surfaces_says_so(tmp_path, capsys):
-    (tmp_path / "study.toml").write_text(STUDY.replace('["1 GPa"]', '["-1 MPa", "1 MPa"]'))
+    loading = {"path": ["-1 MPa", "1 MPa"]}
+    (tmp_path / "study.toml").write_text(tomli_w.dumps({**STUDY, "loading": loading}))
     assert start.bem_adhesion([str(tmp_path / "study.toml"), "-o", str(tmp_path / "out.nc")]) == 0
     lines = capsys.readouterr().err
     words = "the surfaces are separated; start the loading path with a positive pressure"

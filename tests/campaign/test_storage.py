@@ -1,7 +1,4 @@
-"""What lies beside an output, before, while and after a study runs, and who may take its place."""
-
 import errno
-import json
 import os
 import shutil
 
@@ -23,7 +20,6 @@ BOTH = ["bem.nc", "bem.nc.restart"]
 
 
 def into_a_group(path):
-    """Put the states into a group of the dataset, as earlier versions did."""
     beside = path.with_name(path.name + ".restart")
     states = [States(beside).state(number) for number in range(3)]
     assert states[2] == {}
@@ -68,21 +64,35 @@ def test_states_are_not_kept_of_a_dataset_that_is_replaced(finished, run, tmp_pa
 def test_what_is_precious_is_refused_and_stays(finished, run, tmp_path):
     (tmp_path / "bem.nc.restart").write_text("precious")
     status, solved, said = run(LONGER, "--resume")
-    assert (status, solved, said.count("\n")) == (1, [], 1)
+    assert (status, solved, said.count("\n"), names(tmp_path)) == (1, [], 1, BOTH)
     assert "bem.nc.restart: exists and holds no restart states" in said
     assert (tmp_path / "bem.nc.restart").read_text() == "precious"
-    assert names(tmp_path) == BOTH
 
 
-def test_steps_of_an_earlier_version_are_refused_and_stay(run, tmp_path):
-    old = tmp_path / "bem.nc.parts" / "case-0123456789abcdef"
-    old.mkdir(parents=True)
-    (tmp_path / "bem.nc.parts" / "manifest.json").write_text(json.dumps({"model": "continuum"}))
+@pytest.mark.parametrize(
+    ("case", "manifest", "words"),
+    [
+        (
+            "case-0123456789abcdef/x",
+            '{"model": "continuum"}',
+            "holds steps in the format of an earlier version; finish",
+        ),
+        ("0123456789abcdef.case", None, "has lost the record of its run (manifest.json)"),
+        ("0123456789abcdef.case", "[1]", "has lost the record of its run (manifest.json)"),
+    ],
+)
+def test_steps_that_are_not_understood_are_refused_and_stay(run, tmp_path, case, manifest, words):
+    parts = tmp_path / "bem.nc.parts"
+    (parts / case).parent.mkdir(parents=True)
+    (parts / case).touch()
+    if manifest is not None:
+        (parts / "manifest.json").write_text(manifest)
+    before = sorted(parts.rglob("*"))
     assert run(BASE)[0] == 1
     status, _, said = run(BASE, "--resume")
     assert (status, said.count("\n")) == (1, 1)
-    assert "bem.nc.parts: holds steps in the format of an earlier version; finish them with that version" in said
-    assert old.is_dir()
+    assert f"bem.nc.parts: {words}" in said
+    assert sorted(parts.rglob("*")) == before
     assert run(BASE, "--overwrite")[0] == 0
     assert names(tmp_path) == BOTH
 

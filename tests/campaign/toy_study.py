@@ -60,17 +60,14 @@ def run(*arguments):
 
 
 def steps_on_disk(parts: Path) -> int:
-    """Finished steps of all cases in the folder of a run."""
     return sum(CaseFile(path).finished(99, last_state=False) for path in parts.glob("*.case"))
 
 
 def names(folder: Path):
-    """What lies in a folder beside the study."""
     return sorted(path.name for path in folder.iterdir() if path.name != "study.toml")
 
 
 def assert_same(one: Path, two: Path):
-    """Two datasets have the same groups, values, units and studies."""
     with xr.open_datatree(one) as left, xr.open_datatree(two) as right:
         assert left.attrs["study_toml"] == right.attrs["study_toml"]
         assert {node.path for node in left.subtree} == {node.path for node in right.subtree} == {"/", "/metastable"}

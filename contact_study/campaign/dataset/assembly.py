@@ -10,19 +10,10 @@ from contact_study.campaign.dataset.file import StoredCase
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.numerics.distributions import Bins, redistributed
+from contact_study.results import schema
 from contact_study.results.observables import RELATIVE_DISTANCE
 from contact_study.results.path_results import PATH_RESULTS, path_results, series_of
-from contact_study.results.schema import (
-    COORDINATES,
-    FRAME,
-    LABELS,
-    REALISED,
-    RESOLUTION_ERROR,
-    TRAJECTORY,
-    group_of,
-    quantity_of,
-    variable_of,
-)
+from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, quantity_of, variable_of
 from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import SweptKey
@@ -42,10 +33,8 @@ def assemble_cases(
     pairs = progress.through(list(zip(study.cases, sources, strict=True)), "cases written to the dataset")
     longest = max(len(case.path) for case in study.cases)
     groups = assemble(study.sweep, longest, (_read(*pair, bins, rebinned) for pair in pairs), coordinates)
-    words = (
-        f"the distributions of {len(rebinned)} steps finished before were on other bins and are spread over this "
-        "study's, within one bin; --overwrite computes them again"
-    )
+    words = f"the distributions of {len(rebinned)} steps finished before were on other bins and are spread over this "
+    words += "study's, within one bin; --overwrite computes them again"
     return groups, [words] if rebinned else []
 
 
@@ -72,7 +61,7 @@ def _read(case: Case, source: CaseSource, bins: Bins, rebinned: list[int]) -> _C
     if "mean_separation" in steps[0]:  # a simulation's; a theory gives its path results itself
         control = case.loading.control
         # A longer path may have lost a path result of the shorter one.
-        for name in [name for name in constants if name.removesuffix(RESOLUTION_ERROR) in PATH_RESULTS]:
+        for name in [name for name in constants if name.removesuffix(schema.RESOLUTION_ERROR) in PATH_RESULTS]:
             del constants[name]
         constants |= path_results(series_of(steps, control), control)
     return case.index, constants, steps
@@ -86,7 +75,7 @@ def assemble(
     arrays: dict[str, np.ndarray] = {}
     for index, constants, path in cases:
         for name, value in constants.items():
-            _insert(arrays, f"{REALISED}{name}" if name in sweep else name, {index: value}, lengths)
+            _insert(arrays, f"{schema.REALISED}{name}" if name in sweep else name, {index: value}, lengths)
         for name in dict.fromkeys(name for values in path for name in values):
             along_path = {(*index, number): values[name] for number, values in enumerate(path) if name in values}
             _insert(arrays, name, along_path, (*lengths, steps))
@@ -95,18 +84,17 @@ def assemble(
     along: dict[str, dict[str, None]] = {dim: {} for dim in LABELS}
     for key, array in arrays.items():
         labels, name = quantity_of(key)
-        group = group_of(key)
+        group = schema.group_of(key)
         labels = () if group == TRAJECTORY else labels
         for dim, label in zip(LABELS, labels, strict=False):
             along[dim][label] = None
         groups.setdefault(group, {}).setdefault(name, {})[labels] = array
     known = {**coordinates, **{dim: np.array([*labels]) for dim, labels in along.items()}}
     known["step"] = np.arange(steps, dtype=np.int32)
-    on_step = {
-        name: groups[""][name] for name in groups[""] if name in COORDINATES and variable_of(name).dims == ("step",)
-    }
+    root = groups[""]
+    on_step = {name: root[name] for name in root if name in COORDINATES and variable_of(name).dims == ("step",)}
     return {
-        group: _dataset({**on_step, **content}, sweep, known, (FRAME,) if group == TRAJECTORY else ())
+        group: _dataset({**on_step, **content}, sweep, known, (schema.FRAME,) if group == TRAJECTORY else ())
         for group, content in groups.items()
     }
 
@@ -126,17 +114,13 @@ def _insert(
     if [(*lengths, *shape)] != [array.shape for array in before]:
         arrays[name] = np.full((*lengths, *shape), variable.empty, dtype=dtype)
         for array in before:
-            arrays[name][_corner(array.shape)] = array
+            arrays[name][tuple(map(slice, array.shape))] = array
     if not shape:
         everywhere = tuple(zip(*some, strict=True)) if lengths else ()
         arrays[name][everywhere] = [value.item() for value in some.values()] if lengths else first.item()
         return
     for place, value in some.items():
-        arrays[name][place][_corner(value.shape)] = value
-
-
-def _corner(shape: tuple[int, ...]) -> tuple[slice, ...]:
-    return tuple(slice(count) for count in shape)
+        arrays[name][place][tuple(map(slice, value.shape))] = value
 
 
 def _dataset(
@@ -150,16 +134,27 @@ def _dataset(
     coords: dict[str, xr.Variable] = {}
     for name, arrays in content.items():
         own = variable_of(name).dims
-        labels = LABELS[: len(next(iter(arrays)))]
-        array = _side_by_side(name, arrays, labels, len(sweep), coordinates)
+        labels, array = LABELS[: len(next(iter(arrays)))], next(iter(arrays.values()))
+        if labels:  # side by side, after the swept dimensions
+            whole: dict[str, np.ndarray] = {}
+            places = {
+                tuple(int(np.argmax(coordinates[dim] == label)) for dim, label in zip(labels, place, strict=True)): part
+                for place, part in arrays.items()
+            }
+            _insert(whole, name, places, tuple(len(coordinates[dim]) for dim in labels))
+            array = np.moveaxis(whole[name], range(len(labels)), range(len(sweep), len(sweep) + len(labels)))
         dims = (*sweep, *labels, *own, *(() if name in COORDINATES else beyond))
         if name in COORDINATES or own[:1] != ("step",):
-            array, dims = _drop_constant_sweep(array, dims, len(sweep))
+            for axis in reversed(range(len(sweep))):  # along which it may not change
+                first = np.take(array, [0], axis=axis)
+                same = array == first
+                if array.dtype.kind == "f":
+                    same |= np.isnan(array) & np.isnan(first)
+                if np.all(same):
+                    array, dims = np.take(array, 0, axis=axis), (*dims[:axis], *dims[axis + 1 :])
         (coords if name in COORDINATES else data)[name] = xr.Variable(dims, array, _attributes(name))
     # A coordinate that changes over the sweep cannot index its own dimension, which is then a plain index.
-    indices = {
-        name: f"{name}_index" for name, variable in coords.items() if name in variable.dims and variable.ndim > 1
-    }
+    indices = {name: f"{name}_index" for name, along in coords.items() if name in along.dims and along.ndim > 1}
     for variable in [*data.values(), *coords.values()]:
         variable.dims = tuple(indices.get(str(dim), dim) for dim in variable.dims)
     used = {dim for variable in [*data.values(), *coords.values()] for dim in variable.dims}
@@ -170,37 +165,6 @@ def _dataset(
         attributes = {"units": swept.units, "long_name": swept.description}
         coords[name] = xr.Variable((name,), np.asarray(swept.values), attributes)
     return xr.Dataset(data, coords)
-
-
-def _side_by_side(
-    name: str,
-    arrays: Mapping[tuple[str, ...], np.ndarray],
-    dims: Sequence[str],
-    swept: int,
-    coordinates: Mapping[str, np.ndarray],
-) -> np.ndarray:
-    """Stack arrays along the dimensions ``dims`` of their labels, after the ``swept`` ones."""
-    if not dims:
-        return arrays[()]
-    whole: dict[str, np.ndarray] = {}
-    places = {
-        tuple(int(np.argmax(coordinates[dim] == label)) for dim, label in zip(dims, labels, strict=True)): array
-        for labels, array in arrays.items()
-    }
-    _insert(whole, name, places, tuple(len(coordinates[dim]) for dim in dims))
-    return np.moveaxis(whole[name], range(len(dims)), range(swept, swept + len(dims)))
-
-
-def _drop_constant_sweep(array: np.ndarray, dims: tuple[str, ...], swept: int) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Drop a swept dimension along which a coordinate or constant does not change."""
-    for axis in reversed(range(swept)):
-        first = np.take(array, [0], axis=axis)
-        same = array == first
-        if array.dtype.kind == "f":
-            same |= np.isnan(array) & np.isnan(first)
-        if np.all(same):
-            array, dims = np.take(array, 0, axis=axis), (*dims[:axis], *dims[axis + 1 :])
-    return array, dims
 
 
 def _attributes(name: str) -> dict[str, Any]:

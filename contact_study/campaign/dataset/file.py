@@ -3,10 +3,10 @@
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -78,15 +78,20 @@ def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(chunks)
 
 
+@contextmanager
+def opened(path: Path, option: str = "") -> Iterator[xr.Dataset]:
+    """Open the root of a dataset, given by an ``option`` or not; any error is an InputError."""
+    with readable(path, option), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
+        yield dataset
+
+
 def attributes_of(path: Path) -> dict[str, Any] | None:
     """Global attributes of a dataset; None if there is no readable one."""
-    if not is_dataset(path):
-        return None
-    try:
-        with readable(path), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
-            return dict(dataset.attrs)
-    except InputError:
-        return None
+    with suppress(InputError):
+        if is_dataset(path):
+            with opened(path) as dataset:
+                return dict(dataset.attrs)
+    return None
 
 
 def history_of(path: Path) -> str:
@@ -123,17 +128,38 @@ class States(RecordFile):
         return {}
 
 
-@dataclass(frozen=True)
-class _Quantity:
+def read_flags(path: Path) -> dict[str, xr.Dataset]:
+    """Flags ``converged`` in each group of a dataset."""
+    with readable(path), xr.open_datatree(path, engine=engine_of(path), decode_timedelta=False) as tree:
+        nodes = {node.path.strip("/"): node for node in tree.subtree if "converged" in node.data_vars}
+        return {group: node.to_dataset()[["converged"]].load() for group, node in nodes.items()}
+
+
+def unconverged(groups: Mapping[str, xr.Dataset]) -> Iterator[str]:
+    """Yield a sentence for each theory and metastable branch with steps that did not converge."""
+    for group, dataset in groups.items():
+        if "converged" not in dataset:
+            continue
+        flags = dataset["converged"]
+        labels = [dim for dim in LABELS if dim in flags.dims]
+        for place in itertools.product(*(flags[dim].values for dim in labels)):
+            chosen = dict(zip(labels, place, strict=True))
+            own = flags.sel(chosen)
+            failed, total = int((own == 0).sum()), int((own >= 0).sum())
+            if failed:
+                where = ", ".join(f'{dim}="{label}"' for dim, label in chosen.items())
+                where = (f" at {where}" if where else "") + (f" in the group {group}" if group else "")
+                yield (
+                    f"{failed} of {total} steps did not converge{where}; see the variables converged and residual there"
+                )
+
+
+class _Quantity(NamedTuple):
     """A quantity of all cases: an array in memory, or a variable that is read piece by piece."""
 
     name: str
     dims: tuple[str, ...]
     values: Any
-
-    def at(self, place: Mapping[str, int]) -> Any:
-        chosen = self.values[tuple(place.get(dim, slice(None)) for dim in self.dims)]
-        return chosen.values if isinstance(self.values, xr.Variable) else chosen
 
 
 class DatasetReader:
@@ -201,7 +227,12 @@ class StoredCase:
         study = self._dataset.study
         place = {**dict(zip(study.sweep, study.cases[self._number].index, strict=True)), "step": step}
         with readable(self._dataset.path):
-            return {one.name: one.at(place) for one in self._dataset.quantities if chosen(one)}
+            found = {
+                one.name: one.values[tuple(place.get(dim, slice(None)) for dim in one.dims)]
+                for one in self._dataset.quantities
+                if chosen(one)
+            }
+            return {name: own.values if isinstance(own, xr.Variable) else own for name, own in found.items()}
 
     @property
     def constants(self) -> dict[str, Any]:

@@ -1,18 +1,17 @@
 """Gap fields of a continuum dataset as starting configurations for the steps of another run."""
 
 import hashlib
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from contact_study.campaign import record
+from contact_study.campaign.dataset.file import opened
 from contact_study.campaign.record import differences
-from contact_study.campaign.store.files import engine_of, readable, require_dataset
+from contact_study.campaign.store.files import require_dataset
 from contact_study.inputs.errors import InputError
 from contact_study.results.state import usable
 from contact_study.study.case import Case, path_points, path_points_of
@@ -40,7 +39,7 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
                 "the option out"
             )
     require_dataset(path, _OPTION)
-    with _opened(path) as dataset:
+    with opened(path, _OPTION) as dataset:
         if "gap" not in dataset or not str(dataset["gap"].dims[-1]).startswith("x"):
             raise InputError(f"{_OPTION}: {path} holds no gap fields; write it with output.fields = true")
         attributes = dict(dataset.attrs)
@@ -69,7 +68,7 @@ class GapFields:
         self._path = path
         self._case = case
         self._points = path_points_of(case)
-        with _opened(path) as dataset:
+        with opened(path, _OPTION) as dataset:
             study = _study(path, str(dataset.attrs.get("study_toml")))
         start = _start_case(study, case)
         self._index = None if start is None else dict(zip(study.sweep, start.index, strict=True))
@@ -77,7 +76,7 @@ class GapFields:
     def __call__(self, number: int) -> np.ndarray | None:
         if self._index is None:
             return None
-        with _opened(self._path) as dataset:
+        with opened(self._path, _OPTION) as dataset:
             dataset = dataset.isel({name: i for name, i in self._index.items() if name in dataset.dims})
             points = path_points(dataset[f"applied_{self._case.loading.control}"].values, dataset["branch"].values)
             if self._points[number] not in points:
@@ -96,16 +95,10 @@ class GapFields:
         return "" if field is None else hashlib.sha256(np.ascontiguousarray(field).tobytes()).hexdigest()
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[xr.Dataset]:
-    with readable(path, _OPTION), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
-        yield dataset
-
-
 @lru_cache(maxsize=1)  # every case of a study asks for it
 def _study(path: Path, toml: str) -> Study:
     try:
-        return record.RunRecord.read({"study_toml": toml}, path.parent).study
+        return record.recorded_study({"study_toml": toml}, path.parent)
     except InputError as error:
         raise InputError(f"{_OPTION}: {path} {error}") from None
 

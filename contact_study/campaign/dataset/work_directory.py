@@ -7,6 +7,7 @@ to the output by rename, then its restart states; the directory goes, the manife
 import json
 import shutil
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from contact_study.campaign.dataset import file as files
 from contact_study.campaign.dataset.file import States, attributes_of, history_of, states_file
 from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store.case_file import CaseFile
-from contact_study.campaign.store.files import mark_of, move_dataset, restore_dataset, write_aside
+from contact_study.campaign.store.files import is_dataset, is_zarr, mark_of, write_aside
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import has_locks
 
@@ -36,6 +37,7 @@ class WorkDirectory:
         self._manifest = self.folder / "manifest.json"
         self._dataset = self.folder / f"dataset{output.suffix}"
         self._states = self.folder / "restart"
+        self._earlier = self.folder / f"earlier-{output.name}"
         self._output_mark: tuple[int, ...] | None = None
         self._overwrites = self._is_claimed = False
 
@@ -46,7 +48,8 @@ class WorkDirectory:
     def open(self, *, resume: bool, overwrite: bool) -> dict[str, Any] | None:
         """Lock the directory; clear it (overwrite) or keep its steps (resume); returns what :meth:`claim` recorded."""
         self._acquire_lock()
-        restore_dataset(self._dataset, self.output)
+        if not self.output.exists() and is_dataset(self._earlier):  # a kill between two renames
+            self._earlier.rename(self.output)
         self._publish_states()
         self._output_mark, self._overwrites = mark_of(self.output), overwrite
         states = states_file(self.output)
@@ -70,24 +73,23 @@ class WorkDirectory:
         return claimed
 
     def _acquire_lock(self) -> None:
-        if not has_locks(self.folder.parent):
-            fault = "the file system of its folder has no locks (flock), which exclude a second run"
-            raise InputError(f"{self.output}: {fault}; choose an output elsewhere, or have it mounted with locks")
-        try:
-            self._lock.acquire(blocking=False)
-        except Timeout:
+        fault = "the file system of its folder has no locks (flock), which exclude a second run; choose an output "
+        fault += "elsewhere, or have it mounted with locks"
+        if has_locks(self.folder.parent):
+            with suppress(Timeout):
+                self._lock.acquire(blocking=False)
+                return
             fault = "another run is writing it; wait for its end or choose another output"
-            raise InputError(f"{self.output}: {fault}") from None
+        raise InputError(f"{self.output}: {fault}")
 
     def _holds_cases(self) -> bool:
         return any(self.folder.glob("*case*"))
 
     def _claimed(self) -> dict[str, Any]:
         """Read what :meth:`claim` wrote; empty if it is missing or unreadable."""
-        try:
+        with suppress(OSError, ValueError, TypeError):
             return dict(json.loads(self._manifest.read_text(encoding="utf-8")))
-        except (OSError, ValueError, TypeError):
-            return {}
+        return {}
 
     def replaces(self) -> str | None:
         """History of the dataset that the steps replace; None if they replace none."""
@@ -124,7 +126,11 @@ class WorkDirectory:
     def publish(self) -> None:
         """Rename what is written to the output, and remove the directory."""
         self.check_output()
-        move_dataset(self._dataset, self.output)
+        if self.output.is_dir():
+            if not is_zarr(self.output) or not is_dataset(self.output):
+                raise IsADirectoryError(f"{self.output}: is a folder, and no dataset that may be replaced")
+            self.output.rename(self._earlier)  # no rename replaces a folder
+        self._dataset.replace(self.output)
         old = states_file(self.output)
         if not self._states.exists() and States(old).history is not None:  # of the replaced dataset
             old.unlink()

@@ -21,8 +21,8 @@ class CampaignError(RuntimeError):
     """A campaign that cannot continue; finished steps are kept."""
 
 
-def _call(name: str, function: str, *arguments: Any, **options: Any) -> None:
-    getattr(importlib.import_module(f"{__name__}.{name}"), function)(*arguments, **options)
+def _imported(name: str, *arguments: Any, **options: Any) -> None:
+    importlib.import_module(f"{__name__}.{name}").run(*arguments, **options)
 
 
 def _serial(tasks: Sequence[Task], workers: int, report: Report) -> None:
@@ -32,21 +32,22 @@ def _serial(tasks: Sequence[Task], workers: int, report: Report) -> None:
 
 ENGINES: dict[str, Callable[..., None]] = {
     "serial": _serial,
-    "processes": partial(_call, "processes", "run"),
-    "dask": partial(_call, "dask", "run"),
+    "processes": partial(_imported, "processes"),
+    "dask": partial(_imported, "dask"),
 }
-# Check of an engine on other machines, at the address of a scheduler.
-REMOTE: dict[str, Callable[..., None]] = {"dask": partial(_call, "dask", "check")}
+REMOTE = "dask"  # on other machines, at the address of a scheduler
 
 
 def check(engine: str | None, scheduler: str | None) -> None:
     """Raise InputError, before any work, unless an engine is available and its scheduler answers."""
     if engine is not None and engine not in ENGINES:
         raise InputError(f"engine {engine!r}: expected one of {', '.join(ENGINES)}")
-    if engine in REMOTE:
-        REMOTE[engine](scheduler)
+    if engine == REMOTE:
+        from contact_study.campaign.engines import dask
+
+        dask.check(scheduler)
     elif scheduler is not None:
-        raise InputError(f"--scheduler {scheduler}: goes with --engine {' or '.join(REMOTE)}")
+        raise InputError(f"--scheduler {scheduler}: goes with --engine {REMOTE}")
 
 
 def run(
@@ -54,6 +55,6 @@ def run(
 ) -> None:
     """Run every task by an engine; without a name in this process, or in several for more than one worker."""
     name = engine or ("processes" if workers > 1 else "serial")
-    options = {"scheduler": scheduler} if name in REMOTE else {}
+    options = {"scheduler": scheduler} if name == REMOTE else {}
     if tasks:
         ENGINES[name](tasks, max(1, workers), report, **options)

@@ -99,16 +99,15 @@ class RecordFile:
         """Verify every record; drop corrupt ones."""
         for key in [*self._records]:
             try:
-                with self.path.open("rb") as stream:
-                    self._bytes(stream, key)
+                self._bytes(key)
             except CampaignError:
                 self.damaged = True
                 del self._records[key]
 
     def _read(self, key: Key, arrays: bool = True) -> tuple[dict[str, Any], Any]:
         """Read values and further content of a record; without ``arrays`` unverified."""
+        content = self._bytes(key) if arrays else b""
         with self.path.open("rb") as stream:
-            content = self._bytes(stream, key) if arrays else b""
             stream.seek(self._records[key].start + _HEAD.size)
             values, extra, shapes = json.loads(stream.read(*_LENGTH.unpack(stream.read(_LENGTH.size))))
             start = stream.tell() - self._records[key].start
@@ -117,11 +116,12 @@ class RecordFile:
             start += values[name].nbytes
         return values, extra
 
-    def _bytes(self, stream: BinaryIO, key: Key) -> bytes:
+    def _bytes(self, key: Key) -> bytes:
         """Read a whole record; raises CampaignError if it is corrupt."""
         start, end, checksum = self._records[key]
-        stream.seek(start)
-        content = stream.read(end - start)
+        with self.path.open("rb") as stream:
+            stream.seek(start)
+            content = stream.read(end - start)
         head = _HEAD.pack(_MARK, *key, 0, end - start - _HEAD.size)
         if zlib.crc32(memoryview(content)[_HEAD.size :], zlib.crc32(head)) != checksum:
             raise CampaignError(f"{self.path}: is corrupt")
@@ -144,14 +144,10 @@ class CaseFile(RecordFile):
 
     def finished(self, steps: int, last_state: bool) -> int:
         """Count ``steps`` without a gap up to one with a state, which the last needs for ``last_state``."""
-        number = 0
-        while number < steps and self.has_step(number):
-            number += 1
+        number = next(n for n in range(steps + 1) if n == steps or not self.has_step(n))
         if number == steps and not last_state:
             return number
-        while number > 0 and (_STATE, number - 1) not in self._records:
-            number -= 1
-        return number
+        return next((n for n in range(number, 0, -1) if (_STATE, n - 1) in self._records), 0)
 
     @property
     def has_constants(self) -> bool:
@@ -222,10 +218,8 @@ class CaseFile(RecordFile):
         """Copy records into a new file, whose records they become."""
         copied: dict[Key, Record] = {}
         for key in keys:
-            with self.path.open("rb") as stream:
-                content = self._bytes(stream, key)
             start = target.tell()
-            target.write(content)
+            target.write(self._bytes(key))
             copied[key] = self._records[key]._replace(start=start, end=target.tell())
         self._records = copied
 
@@ -283,13 +277,10 @@ class CaseWriter(CaseFile):
         if not is_named:
             raise CampaignError(f"{self.path}: was deleted, or taken over by another run, while its case ran")
         self._records |= found
-        live = sum(self._records[key].end - self._records[key].start for key in self._live)
+        kept = [self._records[key] for key in self._kept(self.start, True, self.start - 1)]
+        live = sum(record.end - record.start for record in kept)
         if stream.tell() - live > max(live, _LEAST_GAIN):
             self._rewrite()
-
-    @property
-    def _live(self) -> list[Key]:
-        return self._kept(self.start, partial=True, oldest=self.start - 1)
 
     def _rewrite(self) -> None:
         """Replace the file by a copy of its live records, and append to that."""
@@ -297,7 +288,7 @@ class CaseWriter(CaseFile):
 
         def write(partial: Path) -> None:
             self._stream = stream = partial.open("w+b")
-            self._copy(stream, self._live)
+            self._copy(stream, self._kept(self.start, True, self.start - 1))
             stream.flush()
             if self._records:
                 os.fsync(stream.fileno())

@@ -124,28 +124,6 @@ def readable(path: Path, name: str = "") -> Iterator[None]:
         raise InputError(f"{who} cannot be read as {words}, perhaps damaged or cut short ({reason})") from None
 
 
-def move_dataset(dataset: Path, path: Path) -> None:
-    """Rename a dataset to its place, over an earlier one; an earlier folder of Zarr moves beside the new one first."""
-    if not path.is_dir():
-        dataset.replace(path)
-        return
-    if not is_zarr(path) or not is_dataset(path):
-        raise IsADirectoryError(f"{path}: is a folder, and no dataset that may be replaced")
-    # No rename replaces a folder: after a kill in between, restore_dataset puts the earlier one back.
-    path.rename(_earlier(dataset, path))
-    dataset.rename(path)
-
-
-def restore_dataset(dataset: Path, path: Path) -> None:
-    """Put an earlier dataset back whose :func:`move_dataset` was killed."""
-    if not path.exists() and is_dataset(_earlier(dataset, path)):
-        _earlier(dataset, path).rename(path)
-
-
-def _earlier(dataset: Path, path: Path) -> Path:
-    return dataset.with_name(f"earlier-{path.name}")
-
-
 def mark_of(path: Path) -> tuple[int, ...] | None:
     """Identify the file at a path: a later file there has another mark; None without a file."""
     files = [path / name for name in (".zmetadata", *_STORE)] if is_zarr(path) else []

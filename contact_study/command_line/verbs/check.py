@@ -67,7 +67,7 @@ def _judged(name: str, study: "Study") -> tuple[tuple[str, ...], list[str]]:
     from contact_study.campaign.memory import duration, in_words, require_at_once, seconds_of
 
     model = models.MODELS[MODELS[name]]
-    _, notes = models.check_study(model, study)
+    notes = models.check_study(model, study)
     needs = [model.needs(case) for case in study.cases]
     require_at_once(needs, None)
     found, remark = seconds_of(model.kind, [(case, len(case.path)) for case in study.cases]), ""

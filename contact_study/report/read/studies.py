@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.record import RunRecord, differences, key_values, recorded_height_maps
+from contact_study.campaign.record import differences, key_values, recorded_height_maps, recorded_study
 from contact_study.inputs.errors import InputError
 from contact_study.report.models import TARGET, is_simulated
 from contact_study.report.read.load_steps import SEED, positions, swept_dims
@@ -39,7 +39,7 @@ _EVEN = 1e-9  # of the largest bin: how far widths of even bins may differ
 
 def carried_study(path: Path, dataset: xr.Dataset, average: str = SEED) -> tuple[Study, list[str]]:
     """Read the study of a dataset, with the sweep that the dataset holds, and notes on what differs in it."""
-    study = _named(path, lambda: RunRecord.read(dataset.attrs, path.parent).study)
+    study = _named(path, lambda: recorded_study(dataset.attrs, path.parent))
     changes = dict(_changed_sweep(path, dataset, study))
     if changes:
         table = tomllib.loads(dataset.attrs["study_toml"])
