@@ -17,12 +17,16 @@ def die(report):
     os._exit(3)
 
 
+def until(path):
+    deadline = time.monotonic() + 60
+    while not path.exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert path.exists()
+
+
 def meet(mine, others, report):
     mine.touch()
-    deadline = time.monotonic() + 60
-    while not others.exists() and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert others.exists()
+    until(others)
     report(os.getpid())
 
 
@@ -40,10 +44,7 @@ def leave(path, report):
 
 def wait_for(path, report):
     report("begun")
-    deadline = time.monotonic() + 60
-    while not path.exists() and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert path.exists()
+    until(path)
     report("seen")
     report("ended")
     path.with_name("ended").touch()

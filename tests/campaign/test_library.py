@@ -158,10 +158,6 @@ BY_WAVE = Tabulated(9e9, Grid((2, 2), (1.0, 1.0)), np.ones((2, 2)))
 OWN_LAW = type("OwnLaw", (LennardJones104,), {})(0.1, 3e-10)
 
 
-def with_solid(solid, **material):
-    return {"elasticity": solid, "material": material}
-
-
 def with_heights(heights=None, **keys):
     return {"surface": {"heights": np.eye(8) if heights is None else heights, "size": 1e-8, **keys}}
 
@@ -172,16 +168,18 @@ def with_heights(heights=None, **keys):
         ({"interaction": OWN_LAW}, r"interaction: OwnLaw is no law of a study; pass TabulatedLaw\.through"),
         ({"interaction": {"law": LennardJones104(0.1, 3e-10), "length": 1e-10}}, r"interaction\.length: .* leave"),
         ({"elasticity": SOLID}, r"material\.youngs_modulus: .* leave it out"),
-        (with_solid(SOLID), r"missing key material\.poissons_ratio: HalfSpace"),
-        (with_solid(LAYER, poissons_ratio=0.4), r"material\.poissons_ratio = 0.4: the solid's is 0.42"),
-        (with_solid(BY_WAVE, poissons_ratio=0.0), "no keys of a study make a Tabulated"),
-        (with_solid(SOLID, poissons_ratio=0.4) | {"sweep": {NU: [0.1, 0.2]}}, f"sweep.{NU}: elasticity is an object"),
+        ({"elasticity": SOLID, "material": {}}, r"missing key material\.poissons_ratio: HalfSpace"),
+        (
+            {"elasticity": LAYER, "material": {"poissons_ratio": 0.4}},
+            r"material\.poissons_ratio = 0.4: the solid's is 0.42",
+        ),
+        ({"elasticity": BY_WAVE, "material": {"poissons_ratio": 0.0}}, "no keys of a study make a Tabulated"),
+        ({"elasticity": SOLID, "material": {}, "sweep": {NU: [0.1, 0.2]}}, f"sweep.{NU}: elasticity is an object"),
         (with_heights("map.npy"), "surface.heights must be an array"),
         (with_heights(np.full((8, 8), np.nan)), "surface.heights is not finite"),
         ({"surface": {"heights": np.eye(8)}}, "size"),
         (with_heights(kind="sphere"), "surface.kind"),
         (with_heights(height_unit="nm"), "surface.height_unit"),
-        (with_heights(radius=1e-8), "surface.radius"),
         ({"surface": {**STUDY["surface"], "seed": [1, 2]}}, LIST.format("surface", "seed")),
         ({"elasticity": {"kind": ["half_space", "layer"]}}, LIST.format("elasticity", "kind")),
         ({"interaction": {"length": ["3 angstrom", "4 angstrom"]}}, LIST.format("interaction", "length")),

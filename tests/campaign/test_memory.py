@@ -25,7 +25,6 @@ JOB, SLURM = "system.slice/slurmstepd.scope/job_7", "memory/slurm/job_7/memory.l
         ("0::/\n", {"memory.max": "5000\n"}, 5000),  # in a container
         ("4:cpu,memory:/slurm/job_7/step_0\n1:pids:/x\n", {SLURM: "6000\n"}, 6000),
         ("4:memory:/slurm/job_7\n", {SLURM: "9223372036854771712\n"}, None),
-        ("4:pids:/slurm/job_7\n", {SLURM: "6000\n"}, None),
         (f"0::/{JOB}\n", {f"{JOB}/memory.max": "max\n"}, None),
     ],
 )

@@ -79,10 +79,7 @@ RENAMED = changed(**SWEPT, surface={"size": "10 nm"}, **FREE)
 JOINED = {
     "warnings": ([(WARNING, RATIO, "1"), (WARNING, RATIO, "2")], WARNING),
     "seeds that nobody sweeps": ([(UNSWEPT, SEED, "10"), (UNSWEPT, SEED, "2")], with_sweep(surface_seed=[2, 10])),
-    "one with a sweep": (
-        [(UNSWEPT, SEED, "7"), (with_sweep(surface_seed=[1, 2]),)],
-        with_sweep(surface_seed=[1, 2, 7]),
-    ),
+    "a sweep": ([(UNSWEPT, SEED, "7"), (with_sweep(surface_seed=[1, 2]),)], with_sweep(surface_seed=[1, 2, 7])),
     "what decides nothing": ([(WHOLE, SEED, "1"), (RENAMED, SEED, "2"), (WHOLE, SEED, "3")], WHOLE),
     "an overlap": ([(WHOLE, SEED, "1"), (WHOLE, SEED, "1, 2"), (WHOLE, SEED, "3")], WHOLE),
 }
@@ -135,14 +132,10 @@ def test_a_key_that_nobody_sweeps_is_named_or_joined_along(built, merge, refused
 
 
 def test_different_studies_are_refused_by_key(seeds, built, refused):
-    for key, sections in (
-        ("loading.path", {"loading": LONGER_PATH}),
-        ("loading.unload", {"loading": {"unload": True}}),
-        ("output.pressure_bins", {"output": {"pressure_bins": 100}}),
-    ):
-        other = built(changed(**SWEPT, **sections), SEED, "2")
+    for section, keys in (("loading", LONGER_PATH), ("loading", {"unload": True}), ("output", {"pressure_bins": 100})):
+        other = built(changed(**SWEPT, **{section: keys}), SEED, "2")
         for files in ((seeds[0], other), (other, seeds[0])):
-            refused(files, f"{files[0]} and {files[1]} are of different studies: {key} is ")
+            refused(files, f"{files[0]} and {files[1]} are of different studies: {section}.{next(iter(keys))} is ")
     exception = {"when": {"surface.seed": 2}, "loading.path": ["0.1 GPa", "3 GPa"]}
     own = built({**WHOLE, "override": [exception]}, SEED, "2")
     refused((seeds[0], own), "loading.path is [1e+08, 1e+09, 2e+09] in the one and [1e+08, 3e+09]")

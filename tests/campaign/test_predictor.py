@@ -69,7 +69,6 @@ def test_field_of_the_same_visit(dataset, ratio, loading, found):
 def test_unusable_predictor(tmp_path):
     path = tmp_path / "bem.nc"
     for make, words in (
-        (lambda: None, "does not exist"),
         (lambda: path.write_bytes(b"garbage"), "cannot be read as NetCDF"),
         (lambda: xr.Dataset({"mean_gap": ("step", [1.0])}).to_netcdf(path), "holds no gap fields"),
         (lambda: content_of(single(), path, study_toml="[surface]\nkind = 3"), "its study is not one this version"),

@@ -90,6 +90,19 @@ def content(folder):
     return {path: path.is_file() and path.read_bytes() for path in folder.rglob("*") if path.name != "study.toml"}
 
 
+@pytest.fixture
+def refused(run, tmp_path):
+    def refuse(table, *words, model=TOY):
+        before = content(tmp_path)
+        status, solved, said = run(table, "--resume", model=model)
+        assert (status, solved, said.count("\n")) == (1, [], 1)
+        assert all(part in said for part in words), said
+        assert content(tmp_path) == before
+        return said
+
+    return refuse
+
+
 @pytest.fixture(params=[0, 5], ids=["finished", "unfinished"])
 def begun(request, run, stopped):
     def begin(table, *arguments, **options):
@@ -102,18 +115,10 @@ def begun(request, run, stopped):
     return begin
 
 
-def test_another_study_is_refused(run, begun, tmp_path):
+def test_another_study_is_refused(begun, refused):
     fault = "bem.nc.parts holds the steps of another study or version" if begun(BASE) else "belongs to another study"
-    before = content(tmp_path)
-    for table, model, words in (
-        (changed(surface={"hurst_exponent": 0.7}), TOY, "surface.hurst_exponent is 0.8 there and 0.7 here"),
-        (BASE, TOY_ATOMS, "model is continuum there and atomistic here"),
-    ):
-        status, solved, said = run(table, "--resume", model=model)
-        assert (status, solved, said.count("\n")) == (1, [], 1)
-        assert fault in said
-        assert words in said
-    assert content(tmp_path) == before
+    refused(changed(surface={"hurst_exponent": 0.7}), fault, "surface.hurst_exponent is 0.8 there and 0.7 here")
+    refused(BASE, fault, "model is continuum there and atomistic here", model=TOY_ATOMS)
 
 
 def killed_at(patch, owner, name, count, suffix=""):
@@ -216,7 +221,7 @@ def new_map(tmp_path):
     return write
 
 
-def test_height_map_is_told_by_its_content(run, begun, tmp_path, new_map):
+def test_height_map_is_told_by_its_content(run, begun, refused, tmp_path, new_map):
     if not begun(changed(surface=MAP)):
         sha256 = hashlib.sha256((tmp_path / "map.npy").read_bytes()).hexdigest()
         shutil.copy(tmp_path / "map.npy", tmp_path / "moved.npy")
@@ -224,12 +229,7 @@ def test_height_map_is_told_by_its_content(run, begun, tmp_path, new_map):
         with xr.open_dataset(tmp_path / "bem.nc") as dataset:
             assert dataset.attrs["height_maps"] == f"sha256:{sha256} moved.npy"
     new_map(2)
-    before = content(tmp_path)
-    status, solved, said = run(changed(surface=MAP), "--resume")
-    assert (status, solved, said.count("\n")) == (1, [], 1)
-    assert ".npy has changed since it was started (SHA-256 " in said
-    assert "another study" not in said
-    assert content(tmp_path) == before
+    assert "another study" not in refused(changed(surface=MAP), ".npy has changed since it was started (SHA-256 ")
 
 
 def test_height_map_that_changes_while_the_study_runs(run, new_map, after_step):
@@ -259,11 +259,9 @@ def test_other_fields_of_the_predictor_are_refused(finished, run, begun, tmp_pat
     tree["gap"][1, 1] += 1e-12
     tree.to_netcdf(tmp_path / "other.nc")
     begun(BASE, "--predictor", str(tmp_path / "bem.nc"), **atoms)
+    point = "than the finished step started from (well_depth_ratio = 4.0, point 2)"
     for predictor, words in (
-        (
-            ["--predictor", str(tmp_path / "other.nc")],
-            "than the finished step started from (well_depth_ratio = 4.0, point 2)",
-        ),
+        (["--predictor", str(tmp_path / "other.nc")], point),
         ([], "--predictor is bem.nc there and none here"),
     ):
         status, solved, said = run(BASE, *predictor, "--resume", **atoms)
