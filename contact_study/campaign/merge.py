@@ -26,7 +26,7 @@ from contact_study.numerics.distributions import Bins
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import default_of, keys_of, suggestion
-from contact_study.study.study import Study, bins_of, make_study
+from contact_study.study.study import Study, make_study
 
 _SEED = "surface.seed"
 # Attributes that all datasets share beside the study.
