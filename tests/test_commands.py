@@ -136,12 +136,11 @@ def test_smaller_study_is_widened_to_the_whole(folder, tmp_path, name):
     assert program(["run", str(tmp_path / "smaller.toml"), *arguments]) == 0
     assert program(["run", str(folder / "study.toml"), *arguments, "--resume"]) == 0
     with xr.open_datatree(folder / f"{name}.nc") as whole, xr.open_datatree(tmp_path / "out.nc") as widened:
-        assert set(whole.groups) == set(widened.groups)
-        for group in whole.groups:
-            for variable in set(whole[group].variables) - {"wall_time", "pressure_pdf", "gap_pdf"}:
-                one, two = whole[group][variable].values, widened[group][variable].values
-                np.testing.assert_array_equal(one, two, err_msg=f"{group} {variable}")
         assert ("other bins" in widened.attrs["warnings"]) == (name != "theory")
+        binned = ["wall_time", "pressure_pdf", "gap_pdf"]
+        for group in {*whole.groups, *widened.groups}:
+            own, other = (tree[group].to_dataset().drop_vars(binned, errors="ignore") for tree in (whole, widened))
+            xr.testing.assert_equal(own, other)
 
 
 @pytest.fixture
@@ -233,13 +232,11 @@ def test_the_table_has_every_case_and_step(folder, verb, tmp_path):
     assert verb("export", "bem.nc", "--csv", "-o", table) == (0, f"{table}\n", "")
     frame = pd.read_csv(table)
     assert frame.columns[:4].tolist() == ["well_depth_ratio", "step", "applied_pressure (Pa)", "branch"]
-    assert len(frame) == 5
-    assert set(frame.branch) == {"loading"}
+    assert frame.branch.tolist() == 5 * ["loading"]
     with xr.open_dataset(folder / "bem.nc") as dataset:
         gaps = dataset.mean_gap.sel(well_depth_ratio=4)
         np.testing.assert_allclose(frame["mean_gap (m)"][frame.well_depth_ratio == 4], gaps, rtol=1e-8)  # nine digits
-    status, _, errors = verb("export", "bem.nc", "--csv", "-o", table)
-    assert (status, errors.count("\n")) == (1, 1)
+    assert verb("export", "bem.nc", "--csv", "-o", table)[0] == 1
     assert verb("export", "bem.nc", "--csv", "-o", table, "--overwrite", "--case", "well_depth_ratio=1")[0] == 0
     assert len(pd.read_csv(table)) == 2
 
@@ -318,7 +315,6 @@ def test_colours_are_for_terminals(verb, monkeypatch):
     """The same words by rich and without; colours where they are wanted only."""
     console = pytest.importorskip("rich.console").Console
     _, plain, _ = verb("keys", "surface")
-    assert "\x1b" not in plain
     for variables, coloured in (({}, True), ({"NO_COLOR": "1"}, False)):
         stream = io.StringIO()
         made = console(file=stream, width=100, force_terminal=True, color_system="standard", _environ=variables)
@@ -326,7 +322,7 @@ def test_colours_are_for_terminals(verb, monkeypatch):
         _, beside, _ = verb("keys", "surface")
         assert ("\x1b[36m" in stream.getvalue()) == coloured
         words = re.sub(r"\x1b\[[\d;]*m", "", stream.getvalue() + beside).split()
-        assert sorted(words) == sorted(plain.split())
+        assert sorted(words) == sorted(plain.split()), "and no colour in what is plain"
 
 
 def test_the_program_imports_little_for_its_help():

@@ -199,13 +199,11 @@ def test_linear_solver_against_a_dense_matrix():
 
 def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
     the_law = law().scaled(R0, E_STAR)
-    zone = process_zone(1.0, the_law)
-    make = partial(NewtonSolver, periodic(UNIT), the_law, 0.01)
+    zone, make = process_zone(1.0, the_law), partial(NewtonSolver, periodic(UNIT), the_law, 0.01)
     level = MultigridSolver(Grid((96, 96), (24 * zone, 12 * zone)), make)
     # Spacing zone/4, then zone/2; at a whole zone there are fewer points than a prediction needs.
     assert level.coarser.finest.grid.shape == (48, 48)
-    assert level.coarser.coarser is None
-    assert MultigridSolver(Grid((95, 96), (2 * zone, 2 * zone)), make).coarser is None
+    assert level.coarser.coarser is MultigridSolver(Grid((95, 96), (2 * zone, 2 * zone)), make).coarser is None
 
 
 def test_not_a_number_is_never_taken_for_a_solution():
