@@ -52,11 +52,9 @@ def test_examples_of_docstrings(module):
 
 
 def test_spectrum_of_a_height_array():
-    size = (8e-9, 12e-9)
-    found = spectrum_of(HEIGHT, size)
+    found = spectrum_of(HEIGHT, (8e-9, 12e-9))
     assert found.rms_height == pytest.approx(HEIGHT.std(), rel=1e-12)
-    same = radial_spectrum(HEIGHT, Grid((16, 24), size))
-    np.testing.assert_array_equal(found.variances, same.variances)
+    np.testing.assert_array_equal(found.variances, radial_spectrum(HEIGHT, Grid((16, 24), (8e-9, 12e-9))).variances)
     assert spectrum_of(HEIGHT[:, :16].tolist(), 8e-9).limits == spectrum_of(HEIGHT[:, :16], (8e-9, 8e-9)).limits
 
 

@@ -1,7 +1,5 @@
 """The continuum in time: slow motion against friction down to rest, and viscoelastic half-spaces."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -33,13 +31,11 @@ def table(points=32, ratio=4.0, load=2e8, rms=3e-10, **sections):
 
 class Motion:
     def __init__(self, **asked):
-        self.case = make_study(table(**asked)).cases[0]
-        self.surface, self.load, self.work = realise(self.case), self.case.path[0][0], self.case.law.work_of_adhesion
-        given = dataclasses.replace(self.case.overdamped, step_error=0.1, loading_rate=1e-2)
-        self.pace = pace_of(dataclasses.replace(self.case, overdamped=given), self.surface.size)
-        self.contact = OverdampedContact(self.case, self.surface, self.pace.allowed)
-        q = self.surface.grid.wavenumber
-        self.stiffness = 0.5 * E_STAR * q
+        (case,) = make_study(table(overdamped={"step_error": 0.1, "loading_rate": 1e-2}, **asked)).cases
+        self.surface, self.load, self.work = realise(case), case.path[0][0], case.law.work_of_adhesion
+        self.pace = pace_of(case, self.surface.size)
+        self.contact = OverdampedContact(case, self.surface, self.pace.allowed)
+        self.stiffness = 0.5 * E_STAR * self.surface.grid.wavenumber
 
     def energy_and_slope(self, gap):
         s, bent = R0 / gap, gap + self.surface.sampled

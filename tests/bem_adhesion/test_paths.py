@@ -8,7 +8,7 @@ import pytest
 import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.study.paths import EnergyLedger, adaptive_step
+from bem_adhesion.study.paths import EnergyLedger, _skips_pull_off, _turns_too_sharply, adaptive_step
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 
@@ -89,18 +89,26 @@ def test_the_strongest_pull_is_not_passed_over(begin, first, monkeypatch):
     assert len(passed) < 40
 
 
-def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():
-    def spring(longest, largest):
-        return Curve(lambda p: p, lambda p: 0.5 * p**2, longest, largest, lambda p: 10 - p)
+def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
+    states = ((0, -0.93, 0), (1, -1, 1), (3, -0.5, 2.25))
+    before, lowest, after = (EnergyLedger(x, p, x, e, True) for x, p, e in states)
+    # Stored: the pull is one on average, and one at the end.
+    assert [_skips_pull_off(before, lowest, noise) for noise in (0.0, 1.0)] == [True, False]
+    assert not _skips_pull_off(lowest, before, 0.0), "inwards"
+    assert _turns_too_sharply(before, lowest, after)
+    assert not _turns_too_sharply(before, lowest, after._replace(pressure=-0.93))
+    assert not _turns_too_sharply(before, lowest._replace(attached=False), after)
 
+
+def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():
+    spring, solid = Curve(lambda p: p, lambda p: 0.5 * p**2, 1.0, 0.7, lambda p: 10 - p), HalfSpace(1.0)
     begin = EnergyLedger(0.0, 0.0, 10.0, 0.0, True)
-    found, (*_, account) = adaptive_step(spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    found, (*_, account) = adaptive_step(spring, np.zeros((2, 2)), begin, 1.0, 0.01, solid)
     assert found.outcome is Outcome.LEAST_STEP
     assert "loading.resolution" in found.message
-    assert 0.69 <= account.position <= 0.7
+    assert 0.69 <= account.position <= 0.7 < found.pressure.mean(), "beside it what the step left"
     assert found.state.mean() == account.position, "the last state that converged"
-    assert found.pressure.mean() > 0.7, "and beside it what the step left"
-    back, (*_, account) = adaptive_step(spring(1.0, 0.7), found.state, account, 0.2, 0.01, HalfSpace(1.0))
+    back, (*_, account) = adaptive_step(spring, found.state, account, 0.2, 0.01, solid)
     assert back.converged
     assert account.position == 0.2
 

@@ -120,7 +120,7 @@ def test_keys_make_every_law(name):
 
 
 def test_what_has_yielded_stays():
-    found = run({**STUDIES["plastic"], "output": {"fields": True}})
+    found = run(STUDIES["plastic"])
     work = found.plastic_work.values
     assert 0 < 1.5 * work[0] < work[1]
     np.testing.assert_allclose(work[2:], work[1], rtol=1e-9, err_msg="up to where it was loaded nothing more yields")

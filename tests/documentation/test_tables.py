@@ -76,9 +76,7 @@ def test_every_command_is_one_that_its_script_takes(monkeypatch, command):
         name = script.removesuffix(".py").replace("/", ".")
     monkeypatch.setattr(sys, "argv", [script, *arguments])
     assert parsed(monkeypatch, importlib.import_module(name).main) == []
-    for name in arguments:
-        if name.startswith("data/"):
-            assert (ROOT / name).is_file()
+    assert all((ROOT / name).is_file() for name in arguments if name.startswith("data/"))
 
 
 # A percentage, or a number of three significant digits or more.
