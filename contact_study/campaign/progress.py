@@ -94,7 +94,6 @@ class Progress:
             yield item
 
     def report(self, text: str) -> None:
-        """Print a line."""
         if not self._name:
             return
         line = f"{self._name}: {self._wording(text)}"
@@ -106,7 +105,6 @@ class Progress:
             sys.stderr.flush()
 
     def warn(self, note: str) -> None:
-        """Print a warning."""
         if self._name:
             self.report(f"warning: {note}")
         else:

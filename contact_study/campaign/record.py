@@ -67,7 +67,6 @@ class Run:
 
     @cached_property
     def bins(self) -> Bins:
-        """Bins of the distributions."""
         return bins_of(self.study)
 
     def deciding_keys(self, case: Case) -> dict[str, Any]:

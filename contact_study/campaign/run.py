@@ -85,9 +85,8 @@ def run_campaign(
         with DatasetReader(output, earlier.study) if earlier and whole else nullcontext() as dataset:
             if dataset is not None:
                 held = dataset.bins(run.bins)
-                sources = [
-                    StoredCase(dataset, whole[at], held) if at in whole else file for at, file in enumerate(files)
-                ]
+                for at, number in whole.items():
+                    sources[at] = StoredCase(dataset, number, held)
             groups, late = assemble_cases(study, run.bins, sources, progress)
             if finished is not None and earlier is not None:
                 notes = [*earlier.carried_warnings(finished), *notes]

@@ -201,7 +201,6 @@ class Averages:
         return cls(bins, fields, None if discarded == _ALL_BUT_ONE else discarded, series, _part(kept, _SUMS))
 
     def add(self, state: InterfaceState) -> None:
-        """Add a state."""
         self.last = state
         for name, value in observed(state, self.bins).items():
             if name in AVERAGED or name == _TIME:

@@ -220,13 +220,12 @@ def test_folder_that_is_not_shared_is_said(run, monkeypatch):
     assert "a worker has finished steps that are not here" in said
 
 
-@pytest.mark.parametrize(("arguments", "imported"), [((), False), (("--engine", "dask"), True)])
-def test_a_command_imports_dask_only_where_it_is_asked_for(study, tmp_path, arguments, imported):
+@pytest.mark.parametrize(("arguments", "imported"), [((), "False\n"), (("--engine", "dask"), "True\n")])
+def test_a_command_imports_dask_only_where_it_is_asked_for(arguments, imported):
     program = "import sys; from tests.campaign.toy_model import main; main(); "
     program += "print(sys.modules.get('dask', 'may be imported') is not None)"
-    command = [sys.executable, "-c", program, str(study), "-o", str(tmp_path / "bem.nc"), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.stdout.splitlines()[-1:] == [str(imported)], done.stderr
+    command = [sys.executable, "-c", program, "none.toml", "-o", "none.nc", *arguments]
+    assert subprocess.run(command, capture_output=True, text=True).stdout == imported
 
 
 def test_without_dask_it_is_said(monkeypatch):

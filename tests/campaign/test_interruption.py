@@ -69,10 +69,6 @@ def test_steps_that_replace_what_stands_there_go_on(run, stopped, built, tmp_pat
     assert not (tmp_path / "bem.nc.parts").exists()
 
 
-def torn(where):
-    return lambda content, records: content[: int(where * len(content))]
-
-
 def flipped(kind, number, where=None):
     def act(content, records):
         record = records[kind, number]
@@ -83,8 +79,10 @@ def flipped(kind, number, where=None):
 
 
 DAMAGE = {
-    "nothing": (lambda content, records: content, ""),
-    **{f"torn at {where}": (torn(where), "") for where in (0.0, 0.5, 0.999)},
+    **{
+        f"torn at {where}": (lambda content, _, where=where: content[: int(where * len(content))], "")
+        for where in (0.0, 0.5, 0.999, 1.0)
+    },
     **{f"{kind} {n}": (flipped(kind, n), "1 damaged") for kind, n in ((b"cons", 0), (b"stat", 2), (b"note", 0))},
     **{f"byte {where}": (flipped(b"step", 1, where), "1 damaged") for where in (0, 10, 40)},
     "a length": (flipped(b"step", 1, 18), ""),  # the rest may be longer than the file, as what a kill has torn

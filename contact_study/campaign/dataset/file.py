@@ -236,11 +236,9 @@ class StoredCase:
 
     @property
     def constants(self) -> dict[str, Any]:
-        """Quantities that do not change along the path."""
         return self._read(lambda one: "step" not in one.dims)
 
     def step(self, number: int) -> tuple[dict[str, Any], Bins]:
-        """Quantities and fields of one step, and the bins of its distributions."""
         return self._read(lambda one: "step" in one.dims, number), self._bins
 
     def step_text(self, number: int, name: str) -> str | None:

@@ -42,7 +42,6 @@ class WorkDirectory:
         self._overwrites = self._is_claimed = False
 
     def case_file(self, name: str) -> Path:
-        """File of one case."""
         return self.folder / f"{name}.case"
 
     def open(self, *, resume: bool, overwrite: bool) -> dict[str, Any] | None:
@@ -103,7 +102,6 @@ class WorkDirectory:
         write_aside(self._manifest, lambda partial: partial.write_text(text, encoding="utf-8"))
 
     def close(self) -> None:
-        """Release the lock."""
         if self._lock.is_locked:
             Path(self._lock.lock_file).unlink(missing_ok=True)
             self._lock.release()

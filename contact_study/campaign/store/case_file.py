@@ -151,7 +151,6 @@ class CaseFile(RecordFile):
 
     @property
     def has_constants(self) -> bool:
-        """Whether the file has the case's constants."""
         return (_CONSTANTS, 0) in self._records
 
     @property
@@ -165,7 +164,6 @@ class CaseFile(RecordFile):
         return [note for key in self._records if key[0] == _NOTES for note in self._read(key)[1]]
 
     def has_step(self, number: int) -> bool:
-        """Whether the file has a step."""
         return (_STEP, number) in self._records
 
     def step(self, number: int) -> tuple[dict[str, Any], Bins]:
@@ -248,11 +246,9 @@ class CaseWriter(CaseFile):
         return self.finished(*self._steps)
 
     def save_constants(self, constants: Mapping[str, Value]) -> None:
-        """Write the quantities that do not change along the path."""
         self._append((_CONSTANTS, 0, constants, None))
 
     def save_notes(self, notes: Sequence[str]) -> None:
-        """Append warnings."""
         self._append((_NOTES, sum(kind == _NOTES for kind, _ in self._records), {}, list(notes)))
 
     def save_partial(self, number: int, kept: Mapping[str, np.ndarray]) -> None:
@@ -260,7 +256,6 @@ class CaseWriter(CaseFile):
         self._append((_PARTIAL, number, kept, None))
 
     def save_step(self, number: int, step: Step) -> None:
-        """Write a finished step."""
         spans = None if step.bins is None else step.bins.spans
         self._append((_STATE, number, step.restart, None), (_STEP, number, {**step.values, **step.fields}, spans))
 
