@@ -7,8 +7,7 @@ import pytest
 
 from theory.numerics.background import BackgroundExecutor
 
-# Seconds after which threads that should meet never will.
-_LOST = 20
+_LOST = 20  # seconds after which threads that should meet never will
 
 
 def test_work_is_done_once_by_whoever_comes_first_and_threads_end_when_nothing_waits():
@@ -34,15 +33,6 @@ def test_other_threads_begin_before_anyone_asks_and_whoever_waits_does_what_else
     second = ahead.begin(lambda: opened.set() or threading.get_ident())
     assert first.result()
     assert second.result() == threading.get_ident()
-
-
-def test_one_thread_does_work_when_it_is_asked_for():
-    done, ahead = [], BackgroundExecutor(1)
-    pieces = [ahead.begin(lambda number=number: done.append(number)) for number in range(3)]
-    assert done == []
-    pieces[2].result()
-    pieces[0].result()
-    assert done == [2, 0]
 
 
 @pytest.mark.parametrize("threads", [1, 2])

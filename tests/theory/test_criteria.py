@@ -9,8 +9,7 @@ from contact_study.physics.laws import Dugdale, HardWall
 from theory import LennardJones104, SelfAffineSpectrum, criteria, dmt_limit, gap_distribution, references, stickiness
 from theory.non_adhesive.closed_forms import low_pressure_asymptote
 
-E_STAR, WORK, LENGTH = 93.7348e9, 0.6924, 3.28e-10
-Q = 6.0415e7
+E_STAR, WORK, LENGTH, Q = 93.7348e9, 0.6924, 3.28e-10, 6.0415e7
 SPECTRUM = SelfAffineSpectrum(0.8, 1e-9, Q, 3 * Q, 12 * Q)
 LAW = LennardJones104(WORK, LENGTH)
 RANGE = WORK / LAW.peak_tensile_stress

@@ -29,7 +29,6 @@ def test_resting_boundary_is_the_method_of_images(pressure):
 @pytest.mark.parametrize(
     ("pressure", "stress", "expected"),
     [(0.3, boundary, 0.5419156), (0.6, lambda t: 1.2 - 0.9 * t, 0.7274151)],
-    ids=["moving away", "coming near"],
 )
 def test_moving_boundary_agrees_with_the_integral_equation(pressure, stress, expected):
     """Of the first-passage density, Buonocore, Nobile and Ricciardi 1987, with 8000 trapezia."""
