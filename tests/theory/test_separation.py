@@ -76,8 +76,7 @@ def test_energy_defect_and_pull_off_only_where_surfaces_stick(paper):
 def test_pull_off_of_a_smooth_surface(paper):
     smooth = dataclasses.replace(paper, rms_height=1e-20)
     expected = -np.sqrt(smooth.contact_modulus * smooth.spectrum.low * 0.69)
-    # The search's own accuracy; the energy of the roughness lowers Δγ by 1e-5 at most. Steps double from 5 % of the
-    # stress of the roughness to its 1.6e10-fold.
+    # The search's own accuracy; the energy of the roughness lowers Δγ by 1e-5 at most.
     assert pull_off_pressure(smooth.theory(0.69)) == pytest.approx(expected, rel=2e-3)
 
 
