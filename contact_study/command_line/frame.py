@@ -9,13 +9,10 @@ import sys
 import textwrap
 import tomllib
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from contact_study.campaign.engines import CampaignError
 from contact_study.inputs.errors import DONE, INTERRUPTED, NOT_CONVERGED, WRONG_INPUT, InputError
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MODELS = {"continuum": "continuum", "atoms": "atomistic", "theory": "theory"}  # by the words of --model
 _KEY = re.compile(r"--(?P<key>[a-z_]+\.\w+)(?:=(?P<value>.*))?", re.DOTALL)
@@ -112,7 +109,7 @@ def guarded(command: str, body: Any, interrupted: str = "finished steps are kept
     return WRONG_INPUT
 
 
-def report_convergence(command: str, groups: "Mapping[str, xr.Dataset]") -> int:
+def report_convergence(command: str, groups: Mapping[str, Any]) -> int:
     """Print a line for each group of a dataset with steps that did not converge; returns the exit status."""
     from contact_study.campaign.dataset.file import unconverged
 

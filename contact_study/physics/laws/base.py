@@ -47,7 +47,6 @@ class TractionLaw(ABC):
     attracts: ClassVar[bool] = True  # carries tension
     title: ClassVar[str]  # in a label
     words: ClassVar[str]  # in a sentence
-    of_pairs: ClassVar[bool] = False  # follows from the Lennard-Jones pairs that the atoms have
     counts_as_contact: ClassVar[str] = "a gap below the contact distance"  # see :meth:`in_contact`
     diverges: ClassVar[bool] = True  # repulsion grows without bound as the gap closes: no gap is zero or less
     own_lengths: ClassVar[tuple[str, ...]] = ()  # fields beside ``length`` that are lengths

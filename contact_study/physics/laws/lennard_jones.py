@@ -104,7 +104,6 @@ class LennardJones104(LennardJones):
 
     title = "10-4"
     words = "smeared into the 10-4"
-    of_pairs = True
     exponent = 5
 
 
@@ -129,7 +128,6 @@ class LennardJones93(LennardJones):
 
     title = "9-3"
     words = "in the 9-3"
-    of_pairs = True
     exponent = 3
 
 
