@@ -388,9 +388,8 @@ def test_a_light_load_is_carried(make, loads):
 @pytest.mark.parametrize("load", [0.1, 1.0])
 def test_stresses_below_the_tolerance_are_in_balance(load):
     [found] = stepped(few(Repulsive(0.0, 1e-9, 1e-3))(), [load])
-    assert found.pressure.max() < 1e-7 * STIFF
     elastic = elastic_pressure(HalfSpace(STIFF / WIDE), ROUGH_GRID, found.displacement)
-    np.testing.assert_allclose(elastic + load, found.pressure, atol=2e-4 * found.pressure.max())
+    np.testing.assert_allclose(elastic + load, found.pressure, atol=min(2e-4 * found.pressure.max(), 2e-11 * STIFF))
 
 
 LAW = LennardJones104(work_of_adhesion=0.2, length=3.28e-10)
@@ -442,8 +441,7 @@ def test_a_solution_has_the_numbers_of_a_dataset_and_compares_by_identity(name):
     assert one.relative_contact_area == dataset.relative_contact_area.item() > 0
     assert one.mean_gap == pytest.approx(dataset.mean_gap.item(), rel=1e-6)
     assert len({one, one, other}) == 2
-    words = rf"relative contact area {one.relative_contact_area:.4g}, mean gap.*\n.*converged"
-    assert re.search(words, repr(one))
+    assert re.search(rf"relative contact area {one.relative_contact_area:.4g}, mean gap.*\n.*converged", repr(one))
 
 
 @pytest.mark.filterwarnings("default:grid too coarse")

@@ -84,6 +84,13 @@ def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
     assert found.elastic_energy + found.interaction_energy < 2 * contact.law.potential(R0 + 3e-10) < 0
 
 
+def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
+    contact = contact_of(law(), 32, max_iterations=40)
+    monkeypatch.setattr(contact.levels, "leave_saddle", lambda gap, load: gap)
+    found = stepped(contact, [1e9])[0]
+    assert (found.outcome, found.iterations) == (Outcome.ITERATION_LIMIT, 41)
+
+
 def test_further_tangent_steps_close_in_within_the_same_limit():
     contact = contact_of(law(), 96, size=800e-10)
     solver, start = contact.levels.finest, contact.step(contact.separated(), 1e9).gap / contact.law.length
