@@ -24,7 +24,9 @@ _KAPPA = 2.0  # of light contact without adhesion, A = κ F/(E* h'), in simulati
 _HIGHEST = 10.0  # height of the bearing area in deviations: 1e-23 of the area lies beyond
 
 
-def persson_tosatti_ratio(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work: float) -> float:
+def persson_tosatti_ratio(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float
+) -> float:
     """Ratio Δγ S over the elastic energy of full contact, π ∫ K C q dq: above one full contact gains energy.
 
     B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001): Δγ A − U_el is the effective work of adhesion of a
@@ -32,11 +34,11 @@ def persson_tosatti_ratio(spectrum: RoughnessSpectrum, elasticity: Elasticity | 
     contact may stick below.
     """
     factor = float(true_area_factor(np.array(spectrum.rms_slope)))
-    return work * factor / float(spectrum.full_contact_energy(elasticity_of(elasticity).stiffness))
+    return work_of_adhesion * factor / float(spectrum.full_contact_energy(elasticity_of(elasticity).stiffness))
 
 
 def pastewka_robbins_ratio(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work: float, reach: float
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
 ) -> float:
     """Ratio of the tension at the edges of light contact to its load, π (3/16)^(2/3) κΔγ/(h'Δr E*) (4Δr/h'd)^(2/3).
 
@@ -45,33 +47,35 @@ def pastewka_robbins_ratio(
     contact patch, h'' the rms mean curvature. It holds for weak attraction of a range short against h'd, at contact of
     few per cent. Of a solid other than a half-space the modulus of its finest waves is taken.
     """
-    positive("attraction_range", reach, "m")
+    positive("attraction_range", attraction_range, "m")
     finest = spectrum.limits[1]
     modulus = 2 * float(elasticity_of(elasticity).stiffness(np.array([finest]))[0]) / finest
     slope, curvature = spectrum.rms_slope, spectrum.rms_laplacian / 2
     patch = 4 * slope / curvature
-    asked = slope * reach * modulus / _KAPPA * (slope * patch / (4 * reach)) ** (2 / 3)
-    return float(np.pi * (3 / 16) ** (2 / 3) * work / asked)
+    asked = slope * attraction_range * modulus / _KAPPA * (slope * patch / (4 * attraction_range)) ** (2 / 3)
+    return float(np.pi * (3 / 16) ** (2 / 3) * work_of_adhesion / asked)
 
 
-def dmt_tension_ratio(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work: float, reach: float) -> float:
+def dmt_tension_ratio(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+) -> float:
     """Ratio of the tension on the area within the range to the pressure of light contact, both of Persson's theory.
 
     This project's own criterion, for hard solids at small Tabor parameters. Adhesion does not deform the contact, as in
     the DMT limit: its tension is Δγ/Δr on the area out of contact and within Δr. G. Violano, L. Afferrante, A.
     Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, have another equation.
     """
-    return work / reach * attracted_at_light_load(spectrum, elasticity, reach)
+    return work_of_adhesion / attraction_range * attracted_at_light_load(spectrum, elasticity, attraction_range)
 
 
-def attracted_area(mean_gap: np.ndarray | float, rms_height: float, reach: float) -> np.ndarray:
+def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_range: float) -> np.ndarray:
     """Share of a Gaussian surface with a gap to a plane, ū above its mean, between zero and the range."""
     gap = np.asarray(mean_gap, dtype=float)
-    return ndtr(-(gap - reach) / rms_height) - ndtr(-gap / rms_height)
+    return ndtr(-(gap - attraction_range) / rms_height) - ndtr(-gap / rms_height)
 
 
 def bearing_area(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work: float, reach: float
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
 ) -> tuple[float, float]:
     """Δγ over the least one at which the bearing-area model pulls at some gap, and its lowest pressure (Pa) or zero.
 
@@ -81,15 +85,18 @@ def bearing_area(
     """
     decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
     height = float(np.sqrt(spectrum.mean_square_height))
-    positive("attraction_range", reach, "m")
+    positive("attraction_range", attraction_range, "m")
 
     def pressure(gap: np.ndarray) -> np.ndarray:
-        return prefactor * np.exp(-gap / decay) - work / reach * attracted_area(gap, height, reach)
+        tension = work_of_adhesion / attraction_range * attracted_area(gap, height, attraction_range)
+        return prefactor * np.exp(-gap / decay) - tension
 
     def balance(gap: np.ndarray) -> np.ndarray:  # logarithm of the work of adhesion that balances the repulsion
-        return np.log(prefactor * reach) - gap / decay - np.log(attracted_area(gap, height, reach))
+        return (
+            np.log(prefactor * attraction_range) - gap / decay - np.log(attracted_area(gap, height, attraction_range))
+        )
 
-    ratio = float(work / np.exp(_lowest(balance, height)))
+    ratio = float(work_of_adhesion / np.exp(_lowest(balance, height)))
     return ratio, min(_lowest(pressure, height), 0.0)
 
 
@@ -107,10 +114,10 @@ def range_of(law: TractionLaw) -> float:
 
 
 def local_tabor_number(
-    q: np.ndarray | float,
+    wavevector: np.ndarray | float,
     spectrum: RoughnessSpectrum,
     elasticity: Elasticity | float,
-    work: float,
+    work_of_adhesion: float,
     length: float,
 ) -> np.ndarray:
     """μ = (R Δγ²/E*² z₀³)^(1/3) of the roughness up to a wavevector, whose curvature 1/R is half its rms Laplacian.
@@ -119,11 +126,11 @@ def local_tabor_number(
     and JKR-like above about 3. Of a solid other than a half-space the modulus of the waves is taken; z₀ (m) is that of
     :func:`range_of`. At the smallest wavevector, with no roughness yet, it is NaN.
     """
-    q = np.asarray(q, dtype=float)
+    q = np.asarray(wavevector, dtype=float)
     curvature = 0.5 * np.sqrt(2 * np.pi * spectrum.moment(5, upper=q))
     modulus = 2 * elasticity_of(elasticity).stiffness(q) / q
     rough = np.where(curvature > 0, curvature, np.nan)
-    return np.cbrt((work / modulus) ** 2 / rough) / positive("length", length, "m")
+    return np.cbrt((work_of_adhesion / modulus) ** 2 / rough) / positive("length", length, "m")
 
 
 @dataclass(frozen=True)
@@ -187,8 +194,10 @@ def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law:
     """
     if not law.attracts:
         raise ValueError(f"{law.title}: a law that does not attract has no criterion of sticking")
-    work, reach = law.work_of_adhesion, law.work_of_adhesion / law.peak_tensile_stress
-    arguments = spectrum, elasticity, work
+    work_of_adhesion, attraction_range = law.work_of_adhesion, law.work_of_adhesion / law.peak_tensile_stress
+    arguments = spectrum, elasticity, work_of_adhesion
     tabor = float(local_tabor_number(spectrum.limits[1], *arguments, range_of(law)))
-    ratios = pastewka_robbins_ratio(*arguments, reach), dmt_tension_ratio(*arguments, reach)
-    return StickinessCriteria(tabor, persson_tosatti_ratio(*arguments), *ratios, *bearing_area(*arguments, reach))
+    ratios = pastewka_robbins_ratio(*arguments, attraction_range), dmt_tension_ratio(*arguments, attraction_range)
+    return StickinessCriteria(
+        tabor, persson_tosatti_ratio(*arguments), *ratios, *bearing_area(*arguments, attraction_range)
+    )

@@ -150,6 +150,16 @@ class Viscoelastic(HalfSpace):
             positive("branch_moduli", modulus, "Pa")
             positive("relaxation_times", time, "s")
 
+    @property
+    def instantaneous(self) -> HalfSpace:
+        """The half-space that a sudden load meets, of modulus E*_0."""
+        return HalfSpace(self.contact_modulus + sum(self.branch_moduli))
+
+    @property
+    def relaxed(self) -> HalfSpace:
+        """The half-space that a slow load meets, of modulus E*_∞."""
+        return HalfSpace(self.contact_modulus)
+
     def scaled(self, length: float, stress: float) -> Self:
         return replace(super().scaled(length, stress), branch_moduli=tuple(np.array(self.branch_moduli) / stress))
 
