@@ -47,6 +47,7 @@ TESTS = {
     "theory/gap_flow/state.py": "test_gap_flow.py test_run.py",
     "theory/gap_flow/kernels.py": "test_gap_flow.py",
     "theory/persson/theory.py": "test_persson.py test_separation.py test_run.py",
+    "theory/persson/interface.py": "test_persson.py test_separation.py",
     "theory/persson/separation.py": "test_separation.py test_run.py",
     "theory/persson/diffusion.py": "test_stress_diffusion.py test_persson.py",
     "bem_adhesion/hard_wall/active_set.py": "test_hard_wall.py ",

@@ -24,9 +24,8 @@ from theory.gap_flow.flow import GapFlow, gap_flow
 from theory.gap_flow.state import GapState
 from theory.non_adhesive.corrections import NonAdhesiveContact, NonAdhesiveTheory
 from theory.non_adhesive.gap_distribution import GapDistribution, dmt_limit, gap_distribution
-from theory.persson.contact import PerssonContact
 from theory.persson.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
-from theory.persson.theory import PerssonTheory
+from theory.persson.theory import PerssonContact, PerssonTheory
 
 __all__ = [
     "EdgeFlow",

@@ -18,7 +18,7 @@ from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.datasets import Dataset, dataset_of
 from theory.non_adhesive.closed_forms import low_pressure_asymptote
 from theory.non_adhesive.gap_distribution import attracted_at_light_load
-from theory.persson.theory import true_area_factor
+from theory.persson.interface import true_area_factor
 
 _KAPPA = 2.0  # of light contact without adhesion, A = κ F/(E* h'), in simulations
 _HIGHEST = 10.0  # height of the bearing area in deviations: 1e-23 of the area lies beyond

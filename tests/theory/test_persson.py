@@ -7,8 +7,9 @@ import pytest
 from scipy.integrate import quad
 
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
-from theory.persson import theory as persson
-from theory.persson.theory import PerssonTheory, energy_weight, mean_cosine, true_area_factor
+from theory.persson import interface as persson
+from theory.persson.interface import energy_weight, mean_cosine, true_area_factor
+from theory.persson.theory import PerssonTheory
 
 solve = PerssonTheory.at_pressure
 PRESSURES = (0, 0.1, 0.5, 1, 2, 10)  # GPa

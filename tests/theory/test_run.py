@@ -21,8 +21,9 @@ from theory.gap_flow.flow import gap_flow
 from theory.non_adhesive import closed_forms
 from theory.numerics.background import BackgroundExecutor
 from theory.persson import theory as persson
+from theory.persson.interface import true_area_factor
 from theory.persson.separation import NegativeSeparation, NotConverged
-from theory.persson.theory import PerssonTheory, true_area_factor
+from theory.persson.theory import PerssonTheory
 from theory.study import case_theories, paths
 from theory.study import model as run
 

@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from theory.persson.contact import PerssonContact, gap_integral
-from theory.persson.theory import IterationOptions, PerssonTheory
+from theory.persson.interface import IterationOptions
+from theory.persson.theory import PerssonContact, PerssonTheory, gap_integral
 
 TOLERANCE, MAX_ITERATIONS = IterationOptions.tolerance, IterationOptions.max_iterations
 

@@ -7,49 +7,181 @@ stopped at σ_a(q) of a crack of size 1/q; A* is the true area, U_el the energy 
     σ_a² = 2α K γ_eff,     γ_eff A* = Δγ A*(q₁) − U_el,     U_el(q) = π ∫_q^q₁ K W(A) C q' dq'.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from scipy.special import erfcx
+from scipy.interpolate import CubicSpline
 
-from contact_study.numerics.arguments import finite, positive
-from contact_study.physics.roughness.spectrum import RoughnessSpectrum
-from contact_study.physics.solids import Elasticity, elasticity_of
+from contact_study.numerics.arguments import finite
+from theory.datasets import Dataset, dataset_of
 from theory.numerics.fixed_point import accelerated
-from theory.persson.contact import PerssonContact
-from theory.persson.diffusion import DiffusionOptions, StressDistribution, diffuse
-
-ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
-TRUE_AREAS = ("persson", "none", "lattice")
+from theory.persson.diffusion import StressDistribution, diffuse
+from theory.persson.interface import IterationOptions, PerssonInterface
 
 
 @dataclass(frozen=True)
-class IterationOptions:
-    """Constants of the iteration."""
+class PerssonContact:
+    """Hold the state of contact at one pressure, which :meth:`theory.PerssonTheory.at_pressure` returns.
 
-    tolerance: float = 1e-7  # largest change of σ_a over the stress scale, four digits below the error of the nodes
-    max_iterations: int = 400  # diffusions at most
-    accelerated: int = 40  # diffusions after which the acceleration is given up
-    memory: int = 3  # states that it uses; with more it fails near the sticking threshold
-    relaxation: float = 0.8  # largest share of the change that the damped iteration takes
-    patience: int = 200  # diffusions in which the smallest change of the damped iteration has to halve
+    Attributes
+    ----------
+    theory : PerssonTheory
+        The interface.
+    pressure, detachment_stress : float, numpy.ndarray
+        p, compression positive, and σ_a at the theory's magnifications (Pa).
+    distribution : StressDistribution
+        P(σ) at the highest magnification and A(q), in units of ``theory.stress_scale``.
+    converged, stalled : bool
+        Whether the residual met the tolerance and the stresses balance; or its change stopped falling.
+    residual, iterations : float, int
+        Largest change of σ_a in the last iteration over ``theory.stress_scale``; diffusions solved.
 
+    Examples
+    --------
+    ``PerssonTheory(...).at_pressure(p)`` returns one, see :class:`theory.PerssonTheory`.
+    """
 
-@dataclass(frozen=True)
-class PerssonOptions:
-    """Constants of the numerics."""
+    theory: "PerssonTheory"
+    pressure: float
+    detachment_stress: np.ndarray
+    distribution: StressDistribution
+    converged: bool
+    stalled: bool
+    residual: float
+    iterations: int
 
-    early_share: float = 0.4  # of the nodes even in this power of the stress variance, not in ln q
-    early_power: float = 1 / 6
-    nearest: float = 1e-14  # smallest distance from the first wavevector of a node, over the spectrum's width
-    negligible: float = 1e-9  # stress variance left out: filtered maps have shells down to the rounding
-    full_contact: float = 7.0  # pressure beyond which contact is full to 1e-12, over the stress scale
-    balance: float = 0.02  # largest error of the stress balance of a converged state, over the pressure
-    least_pressure: float = 1e-6  # its bound is that of this pressure where p is smaller, over the stress scale
-    diffusion: DiffusionOptions = field(default_factory=DiffusionOptions)
-    iteration: IterationOptions = field(default_factory=IterationOptions)
+    @property
+    def contact(self) -> np.ndarray:
+        """A(q)/A₀ at the magnifications."""
+        return self.distribution.contact
+
+    @property
+    def relative_contact_area(self) -> float:
+        """A(q₁)/A₀, the real contact area."""
+        return float(self.contact[-1])
+
+    @property
+    def detached(self) -> bool:
+        """True without contact: at no pressure the iteration ends near zero area, not on it."""
+        return self.pressure <= 0 and self.relative_contact_area < 1e-6
+
+    @property
+    def advice(self) -> str:
+        """The remedy for a state that did not converge."""
+        if not self.balanced:
+            bound = f"{self.theory.options.balance:g}; use more cells (PerssonTheory(cells=...)) or a higher pressure"
+            return f"contact and edges carry {self.stress_balance:.3g} times the pressure, and not one within {bound}"
+        return "the iteration oscillates; lower theory.alpha" if self.stalled else "raise solver.max_iterations"
+
+    @property
+    def effective_work_of_adhesion(self) -> np.ndarray:
+        """γ_eff at the magnifications (J/m²)."""
+        return self.theory.effective_work_of_adhesion(self.contact)
+
+    @property
+    def elastic_energy(self) -> float:
+        """U_el(q_L) per nominal area (J/m²)."""
+        return float(self.theory.elastic_energy(self.contact)[0])
+
+    @property
+    def adhesion_energy(self) -> float:
+        """−Δγ A*(q₁) per nominal area (J/m²)."""
+        return float(-self.theory.work_of_adhesion * self.relative_contact_area * self.theory.area_factor[-1])
+
+    @property
+    def energy(self) -> float:
+        """Interfacial energy U = U_el − Δγ A* (J/m²)."""
+        return self.elastic_energy + self.adhesion_energy
+
+    @property
+    def contact_stress(self) -> float:
+        """Mean stress carried inside the contact, ∫ σ P dσ (Pa)."""
+        return self.distribution.contact_stress * self.theory.stress_scale
+
+    @property
+    def edge_stress(self) -> float:
+        """Mean stress carried at detached edges, −∫ σ_a g ds <= 0 (Pa); with the contact's it makes the pressure."""
+        return self.distribution.edge_stress * self.theory.stress_scale
+
+    @property
+    def stress_balance(self) -> float:
+        """Stress carried by contact and edges over the applied pressure: one, but for the cells; NaN at p = 0."""
+        return (self.contact_stress + self.edge_stress) / self.pressure if self.pressure else np.nan
+
+    @property
+    def balanced(self) -> bool:
+        """True if contact and edges carry the applied pressure within the bound of the options."""
+        error, options = self.contact_stress + self.edge_stress - self.pressure, self.theory.options
+        least = options.least_pressure * self.theory.stress_scale
+        return abs(error) <= options.balance * max(abs(self.pressure), least)
+
+    def pressure_density(self, edges: np.ndarray) -> np.ndarray:
+        """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""
+        scale = self.theory.stress_scale
+        return self.distribution.bin_averages(np.asarray(edges) / scale) / scale
+
+    def stress_density(self, edges: np.ndarray, wavevector: float) -> np.ndarray:
+        """Mean of P(σ) in bins (1/Pa) between edges (Pa), without the roughness above a wavevector (1/m)."""
+        theory, scale = self.theory, self.theory.stress_scale
+        low, high = theory.wavevectors[[0, -1]]
+        if not low < finite("wavevector", wavevector, "1/m") <= high * (1 + 1e-9):  # it may be a product
+            span = f"from above {low:.6g} to {high:.6g}"
+            raise ValueError(f"wavevector = {wavevector:g} 1/m: the magnifications go {span}")
+        at = min(wavevector, high)
+        end = theory.spectrum.full_contact_stress_variance(theory.solid.stiffness, np.array([at]))[0]
+        below = theory.stress_variance[theory.wavevectors < at]
+        variance = np.append(below[below < end], end) / scale**2
+        boundary = np.interp(variance * scale**2, theory.stress_variance, self.detachment_stress)
+        unit = np.sqrt(variance[-1])  # cells are graded for a last variance of one
+        cells, options = theory.cells, theory.options.diffusion
+        part = diffuse(self.pressure / scale / unit, variance / unit**2, boundary / scale / unit, cells, options)
+        return part.bin_averages(np.asarray(edges) / scale / unit) / scale / unit
+
+    def stress_densities(self, zetas: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """P(σ, ζ) as a function from edges (m + 1,) of bins (Pa) to means (n, m) (1/Pa), at ζ = q/q_L above one."""
+        if self.detached:
+            return lambda edges: np.zeros((zetas.size, edges.size - 1))
+        return lambda edges: np.array(
+            [self.stress_density(edges, float(q)) for q in zetas * self.theory.wavevectors[0]]
+        )
+
+    def quantities(self) -> dict[str, Any]:
+        """All values but the mean gap by their names in a dataset; distributions are functions of bin edges."""
+        names = ("relative_contact_area", "elastic_energy", "contact_stress", "edge_stress", "stress_balance")
+        further = ("detachment_stress", "effective_work_of_adhesion", "converged", "detached", "iterations")
+        return {name: getattr(self, name) for name in names + further} | {
+            "mean_pressure": self.pressure,
+            "interaction_energy": self.adhesion_energy,
+            "pressure_pdf": self.pressure_density,
+            "relative_contact_area_at": self.contact,
+            "residual": self.residual * self.theory.stress_scale / self.theory.solid.contact_modulus,
+        }
+
+    def to_dataset(self, pressure_edges: np.ndarray | None = None, magnifications: np.ndarray | None = None) -> Dataset:
+        """Give the state in the schema of ``theory.nc``, without the dimension of a path.
+
+        The mean gap takes some forty states at higher pressures.
+
+        Parameters
+        ----------
+        pressure_edges : numpy.ndarray, optional
+            Edges of the bins of P(σ) (Pa); by default even ones over the whole distribution.
+        magnifications : numpy.ndarray, optional
+            ζ = q/q_L, above one, for P(σ, ζ) in ``pressure_pdf_at``.
+        """
+        theory, gap = self.theory, np.nan
+        if self.pressure > 0:
+            swept = theory.sweep(min(self.pressure, theory.stress_scale))
+            gap = float(gap_integral(swept)(np.log(self.pressure)))
+        low, high = self.distribution.edges[[0, -1]] * theory.stress_scale
+        quantities, coordinates = {**self.quantities(), "mean_gap": gap}, {"wavevector": theory.wavevectors}
+        if magnifications is not None:
+            coordinates["magnification"] = np.asarray(magnifications, dtype=float)
+            quantities["pressure_pdf_at"] = self.stress_densities(coordinates["magnification"])
+        bins = dict.fromkeys(("pressure_pdf", "pressure_pdf_at"), (pressure_edges, (float(low), float(high))))
+        return dataset_of(("persson",), quantities, bins, coordinates)
 
 
 Response = Callable[[np.ndarray], tuple[StressDistribution, np.ndarray]]
@@ -58,7 +190,7 @@ FixedPoint = tuple[np.ndarray, StressDistribution, bool, bool, float, int]
 
 
 @dataclass(frozen=True)
-class PerssonTheory:
+class PerssonTheory(PerssonInterface):
     """Describe an interface to Persson's theory; the defaults are the paper's.
 
     Parameters
@@ -92,105 +224,6 @@ class PerssonTheory:
     >>> bool(contact.converged and 0 < contact.relative_contact_area < 1)
     True
     """
-
-    spectrum: RoughnessSpectrum
-    elasticity: Elasticity | float
-    work_of_adhesion: float
-    energy_weight: str = "paper"
-    beta: float = 0.4
-    true_area: str = "persson"
-    alpha: float = 1.0
-    stress_cap: float = np.inf
-    nodes: int = 200
-    cells: int = 300
-    options: PerssonOptions = field(default_factory=PerssonOptions)
-
-    def __post_init__(self):
-        if finite("work_of_adhesion", self.work_of_adhesion, "J/m²") < 0:
-            raise ValueError(f"work_of_adhesion = {self.work_of_adhesion!r}: must not be negative, in J/m²")
-        for name in ("alpha", "nodes", "cells"):
-            positive(name, getattr(self, name), "1")
-        for name, known in (("energy_weight", ENERGY_WEIGHTS), ("true_area", TRUE_AREAS)):
-            if getattr(self, name) not in known:
-                raise ValueError(f"{name} = {getattr(self, name)!r}: expected one of {', '.join(known)}")
-
-    @cached_property
-    def solid(self) -> Elasticity:
-        """The elastic solid."""
-        return elasticity_of(self.elasticity)
-
-    @cached_property
-    def wavevectors(self) -> np.ndarray:
-        """Magnifications from the smallest to the largest wavevector with roughness, shape (nodes + 1,) (1/m).
-
-        They equidistribute 0.4 (s/s₁)^(1/6) + 0.6 ln q; octaves that add no stress variance get none.
-        """
-        options = self.options
-        fine = self.spectrum.band_edges(100 * self.nodes)
-        near = fine[0] + (fine[-1] - fine[0]) * np.geomspace(options.nearest, 1e-2, 20 * self.nodes)
-        fine = np.unique(np.concatenate([fine, near, np.geomspace(fine[0], fine[-1], 100 * self.nodes)]))
-        share = np.maximum.accumulate(self.spectrum.full_contact_stress_variance(self.solid.stiffness, fine))
-        share /= share[-1]
-        end = int(np.argmax(share >= 1 - options.negligible)) + 1
-        fine, share = fine[:end], share[:end]
-        octaves = np.diff(np.log(fine))
-        octaves[np.diff(share) < options.negligible * octaves / octaves.sum()] = 0.0
-        late = np.concatenate([[0.0], np.cumsum(octaves)]) / octaves.sum()
-        measure = options.early_share * share**options.early_power + (1 - options.early_share) * late
-        return np.interp(np.linspace(0, measure[-1], self.nodes + 1), measure, fine)
-
-    @cached_property
-    def _stiffness(self) -> np.ndarray:
-        """K at the magnifications (Pa/m)."""
-        return self.solid.stiffness(self.wavevectors)
-
-    @cached_property
-    def stress_variance(self) -> np.ndarray:
-        """s(q) at the magnifications (Pa²)."""
-        return self.spectrum.full_contact_stress_variance(self.solid.stiffness, self.wavevectors)
-
-    @property
-    def stress_scale(self) -> float:
-        """√s(q₁), the standard deviation of the stress in full contact (Pa)."""
-        return float(np.sqrt(self.stress_variance[-1]))
-
-    @cached_property
-    def area_factor(self) -> np.ndarray:
-        """True over projected area of conformal contact at the magnifications."""
-        if self.true_area == "none":
-            return np.ones(self.nodes + 1)
-        slope = np.sqrt(2 * np.pi * self.spectrum.moment(3, upper=self.wavevectors))
-        return true_area_factor(slope) if self.true_area == "persson" else mean_cosine(slope)
-
-    @cached_property
-    def _energy_parts(self) -> np.ndarray:
-        """Full-contact elastic energy of the roughness between neighbouring magnifications (J/m²)."""
-        return np.diff(self.spectrum.full_contact_energy(self.solid.stiffness, self.wavevectors))
-
-    @property
-    def full_contact_energy(self) -> float:
-        """Interfacial energy U at infinite pressure: U_full − Δγ S (J/m²)."""
-        return float(self._energy_parts.sum() - self.work_of_adhesion * self.area_factor[-1])
-
-    def elastic_energy(self, contact: np.ndarray) -> np.ndarray:
-        """U_el(q) at the magnifications from A(q) (J/m²)."""
-        weight = energy_weight(contact, self.energy_weight, self.beta)
-        parts = self._energy_parts * 0.5 * (weight[1:] + weight[:-1])
-        return np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
-
-    def effective_work_of_adhesion(self, contact: np.ndarray) -> np.ndarray:
-        """γ_eff(q) from A(q), zero where nothing is in contact (J/m²)."""
-        true_area = contact * self.area_factor
-        gain = self.work_of_adhesion * true_area[-1] - self.elastic_energy(contact)
-        return np.divide(gain, true_area, out=np.zeros_like(gain), where=true_area > 0)
-
-    def detachment_stress(self, effective_work: np.ndarray) -> np.ndarray:
-        """σ_a(q) from γ_eff(q) (Pa)."""
-        return self._root(2 * self.alpha * self._stiffness * effective_work)
-
-    def _root(self, square: np.ndarray) -> np.ndarray:
-        """σ_a (Pa) from its square where nothing caps it, negative where γ_eff is (Pa²)."""
-        return np.minimum(np.sqrt(np.maximum(square, 0.0)), self.stress_cap)
 
     def at_pressure(
         self,
@@ -304,22 +337,24 @@ class PerssonTheory:
         return tuple(reversed(contacts))
 
 
-def energy_weight(contact: np.ndarray, kind: str, beta: float) -> np.ndarray:
-    """Share W(A) of the full-contact elastic energy that incomplete contact stores."""
-    if kind == "paper":
-        return contact * (beta + (1 - beta) * contact**2)
-    if kind == "wang_mueser":
-        return contact * (5 / 9 - 2 / 9 * contact**2 + 2 / 3 * contact**4)
-    return contact.copy()
+def gap_integral(contacts: Sequence[PerssonContact]) -> Callable[[np.ndarray], np.ndarray]:
+    """ū (m) over ln p, ∫_p^∞ (dU/dp') dp'/p' along a cubic spline of U(ln p) through states at rising pressures."""
+    pressure, energy = (np.array([getattr(each, name) for each in contacts]) for name in ("pressure", "energy"))
+    spline = CubicSpline(np.log(pressure), energy)
+    nodes = spline.x
+    points, weights = np.polynomial.legendre.leggauss(6)
 
+    def between(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """∫ (dU/dx) e^(−x) dx between points of one interval of the spline, by Gauss's rule."""
+        half = 0.5 * (end - start)
+        inside = start[..., None] + half[..., None] * (1 + points)
+        return half * np.sum(weights * spline(inside, 1) * np.exp(-inside), axis=-1)
 
-def true_area_factor(rms_slope: np.ndarray) -> np.ndarray:
-    """S(ξ) = ∫₀^∞ √(1+ξ²x) e^(−x) dx = 1 + (√π/2) ξ e^(1/ξ²) erfc(1/ξ), <√(1+|∇h|²)> of a Gaussian surface."""
-    inverse = 1 / np.maximum(rms_slope, 1e-150)  # ξ = 0 is the limit, without a division by zero
-    return 1 + 0.5 * np.sqrt(np.pi) * rms_slope * erfcx(inverse)
+    rest = (contacts[-1].theory.full_contact_energy - energy[-1]) / pressure[-1]  # gained at the last pressure
+    above = np.concatenate([np.cumsum(between(nodes[:-1], nodes[1:])[::-1])[::-1], [0.0]]) + rest
 
+    def gap(x: np.ndarray) -> np.ndarray:
+        interval = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
+        return above[interval + 1] + between(x, nodes[interval + 1])
 
-def mean_cosine(rms_slope: np.ndarray) -> np.ndarray:
-    """∫₀^∞ e^(−x)/√(1+ξ²x) dx = (√π/ξ) e^(1/ξ²) erfc(1/ξ), <1/√(1+|∇h|²)> of a Gaussian surface."""
-    inverse = 1 / np.maximum(rms_slope, 1e-150)
-    return np.sqrt(np.pi) * inverse * erfcx(inverse)
+    return gap

@@ -13,9 +13,8 @@ from theory.edge_flow.flow import EdgeFlow
 from theory.gap_flow.flow import GapFlow
 from theory.gap_flow.state import REMEDY
 from theory.numerics.background import BackgroundExecutor, BackgroundTask
-from theory.persson.contact import PerssonContact
 from theory.persson.separation import NegativeSeparation, NotConverged, SeparationCurve, separation_curve
-from theory.persson.theory import PerssonTheory
+from theory.persson.theory import PerssonContact, PerssonTheory
 from theory.study.case_theories import CaseTheories
 
 _STORED_WAVEVECTORS = 129  # at which the magnification-resolved quantities are stored
