@@ -44,7 +44,7 @@ class PerssonOptions:
 
 @dataclass(frozen=True)
 class PerssonInterface:
-    """What a state refers to; parameters as of :class:`theory.PerssonTheory`, which solves for states."""
+    """Hold what a state refers to; parameters as of :class:`theory.PerssonTheory`, which solves for states."""
 
     spectrum: RoughnessSpectrum
     elasticity: Elasticity | float
