@@ -25,6 +25,12 @@ if __name__ == "__main__":
     ):
         with pytest.raises(ValueError, match=r"is a variable already|give another name"):
             register(*arguments)
+    (case, *_) = contact_study.make_study(study).cases
+    assert case.surface.path == "ridges.txt", "a key of this name"
+    assert case.height_map is None, "is no height map"
+    strong = {"law": "strong_morse", "length": "3.28 angstrom", "width": "2 angstrom", "strength": "1 GPa"}
+    (case,) = contact_study.make_study({**study, "interaction": strong, "sweep": {}}).cases
+    assert case.law.work_of_adhesion == 1e9 * 3.28e-10
     dataset = contact_study.run(study, workers=2)
     assert (dataset.sizes["stiffening"], dataset.sizes["width"]) == (2, 2)
     assert (dataset.contact_modulus[1] == 2 * dataset.contact_modulus[0]).all()

@@ -10,8 +10,8 @@ from contact_study.physics.solids import HalfSpace
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales, spectrum_of_waves
 from contact_study.results.state import Observable, Variable
 from contact_study.study.schema.elasticity import ElasticitySection
-from contact_study.study.schema.interaction import SmoothInteraction
-from contact_study.study.schema.keys import key, quantity
+from contact_study.study.schema.interaction import InteractionSection, SmoothInteraction
+from contact_study.study.schema.keys import TEXT, key, quantity
 from contact_study.study.schema.surface import CellSection
 
 
@@ -31,6 +31,20 @@ class OwnInteraction(SmoothInteraction):
     width: float = key(quantity("m", positive=True), "range of my attraction")
 
 
+@dataclass(frozen=True, kw_only=True)
+class StrongInteraction(InteractionSection):
+    width: float = key(quantity("m", positive=True), "range of my attraction")
+    strength: float = key(quantity("Pa", positive=True), "work of my attraction over its length")
+
+    def make_law(self, work_of_adhesion):
+        return StrongMorse(self.strength * self.length, self.length, self.width)
+
+
+@dataclass(frozen=True)
+class StrongMorse(OwnMorse):
+    pass
+
+
 @dataclass(frozen=True)
 class Ridge(Surface):
     amplitude: float
@@ -45,6 +59,7 @@ class RidgeSection(CellSection):
     height_key = "surface.ridge_height"
 
     ridge_height: float = key(quantity("m", positive=True), "amplitude of my ridges")
+    path: str = key(TEXT, "height map, relative to the study file", "ridges.txt")
 
     def realise(self, directory):
         return Ridge(self.size, self.shape, None, self.ridge_height)
@@ -70,6 +85,7 @@ LARGEST_GAP = Observable(
 )
 
 contact_study.register_law("own_morse", OwnMorse, OwnInteraction)
+contact_study.register_law("strong_morse", StrongMorse, StrongInteraction)
 contact_study.register_solid("stiff", StiffSection)
 contact_study.register_surface("ridge", RidgeSection)
 contact_study.register_observable(LARGEST_GAP)

@@ -19,6 +19,7 @@ LENGTH, AUTO = "interaction.length", "auto"
 class InteractionSection:
     """The adhesive law; a law with further keys or checks has a subclass."""
 
+    adhesive: ClassVar[bool] = False  # whether it needs a work of adhesion and a length
     refuses: ClassVar[tuple[tuple[str, ...], str]] = (), ""  # keys without use, and why, in words after its name
 
     law: str = key(TEXT, "traction-separation law of the continuum", "lennard_jones_10_4")
@@ -40,7 +41,7 @@ class InteractionSection:
         for name in self.refuses[0]:
             if getattr(self, name) is not None:
                 raise InputError(f'interaction.{name}: law = "{self.law}" {self.refuses[1]}')
-        if not LAWS[self.law].attracts or "work_of_adhesion" in self.refuses[0]:
+        if not self.adhesive:
             return
         if self.well_depth is None and self.work_of_adhesion is None:
             raise InputError(
@@ -71,6 +72,8 @@ class InteractionSection:
 class SmoothInteraction(InteractionSection):
     """A law with a repulsive core, whose length is its equilibrium distance."""
 
+    adhesive = True
+
 
 class HardWallInteraction(InteractionSection):
     """A hard wall has no numbers."""
@@ -86,6 +89,8 @@ class HardWallInteraction(InteractionSection):
 class HalfSpacesInteraction(InteractionSection):
     """Keys of the 9-3 law, whose adhesion does not follow from a pair of layers."""
 
+    adhesive = True
+
     refuses = (
         ("well_depth",),
         "is that of two half-spaces, whose adhesion needs the number of atoms per volume of both; give "
@@ -95,6 +100,8 @@ class HalfSpacesInteraction(InteractionSection):
 
 class PlainAdhesion(InteractionSection):
     """A law that no pair of atoms stands for: its adhesion is given as Δγ."""
+
+    adhesive = True
 
     refuses = ("well_depth",), "is not made of pairs of atoms; give interaction.work_of_adhesion"
 

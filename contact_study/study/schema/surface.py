@@ -55,7 +55,7 @@ class SurfaceSection(ABC):
     @property
     def map_path(self) -> str | None:
         """File of the heights as the study writes it; None for a surface that needs none."""
-        return getattr(self, "path", None)
+        return None
 
     @property
     def target_spectrum(self) -> SelfAffineSpectrum | None:
@@ -174,6 +174,10 @@ class MapFile(SurfaceSection):
         _POINTS, "points of the map for all models, by trigonometric interpolation", None
     )
     lowpass: float | None = key(METRES, "shortest wavelength that is kept", None)
+
+    @property
+    def map_path(self) -> str:
+        return self.path
 
     def __post_init__(self):
         if self.crop is not None and any(low >= high for low, high in self.crop):
