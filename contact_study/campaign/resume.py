@@ -77,7 +77,7 @@ def resume_run(
         earlier, matches = _match(finished, run, work.output, "exists and belongs to another study or model")
         if run.start is not None:
             with DatasetReader(work.output, earlier.study) as dataset:
-                _check_starts(run, matches, lambda number: StoredCase(dataset, number, run.bins))
+                _check_starts(run, matches, lambda number: StoredCase(dataset, number, run.study.bins))
     if unfinished is not None:
         notes += _take_over(unfinished, run, work, progress)
     replaced = history_of(work.output) if finished is None and work.output.exists() else None
@@ -85,13 +85,13 @@ def resume_run(
     if earlier is None:
         return notes, earlier, whole
     with DatasetReader(work.output, earlier.study) as dataset:
-        bins = dataset.bins(run.bins)
+        bins = dataset.bins(run.study.bins)
         for number, found in progress.through(matches.items(), "cases of the dataset checked"):
             steps, file = len(run.study.cases[number].path), CaseFile(work.case_file(run.case_names[number]))
-            if found.steps == steps and bins.hold(run.bins):
+            if found.steps == steps and bins.hold(run.study.bins):
                 whole[number] = found.earlier
             elif not file.path.exists() or file.finished(steps, last_state=False) < found.steps:
-                reason = _extract(dataset, found, bins, run.bins, file.path)
+                reason = _extract(dataset, found, bins, run.study.bins, file.path)
                 notes += [_again(run, number, reason)] if reason else []
     return list(dict.fromkeys(notes)), earlier, whole
 
@@ -116,7 +116,7 @@ def _take_over(unfinished: Mapping[str, Any], run: Run, work: WorkDirectory, pro
     notes = []
     for number, found in matches.items():
         file, target = files[found.earlier], work.case_file(run.case_names[number])
-        usable = file.usable_steps(run.bins)
+        usable = file.usable_steps(run.study.bins)
         file.keep(min(found.steps, usable), partial=usable < found.steps and not file.has_step(usable))
         if file.path != target and file.path.exists():
             file.path.rename(target)
@@ -221,31 +221,18 @@ def _matched_steps(number: int, case: Case, other: Case, run: Run) -> Match:
     length = len(case.loading.path)
     if after[:length] != before[:length]:
         raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
-    reasons = list(_faults(case, other, run))
-    if run.model.whole_path and before != after:
-        reasons.append("the path has changed, and its points share quantities of the whole path")
+    reasons = list(_faults(case, other, run, run.model.whole_path and before != after))
     if reasons:
         return Match(number, 0, reasons[0])
     shared = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
     return Match(number, shared, "unloading starts from another point" if shared < len(before) else "")
 
 
-def _faults(case: Case, other: Case, run: Run) -> Iterator[str]:
+def _faults(case: Case, other: Case, run: Run, path_changed: bool) -> Iterator[str]:
     """Yield why no step of an earlier case serves another one; raises NotKeptError if that keeps less."""
-    fields = ["field_precision"] if "fields" in run.model.keeps and case.output.fields else []
-    for name in [*run.model.keeps, *fields]:
-        there, here = getattr(case.output, name), getattr(other.output, name)
-        change = _KEPT[name].index(here) - _KEPT[name].index(there)
-        # Flags as a study file has them.
-        then, now = (value if isinstance(value, str) else str(value).lower() for value in (there, here))
-        if change < 0:
-            raise NotKeptError(
-                f"it keeps {name.replace('_precision', 's')} by output.{name} = {then}, this study has {now}: set it "
-                "so, or use another output or --overwrite"
-            )
-        if change:
-            lacked = "kept single precision" if name == "field_precision" else f"did not keep its {name}"
-            yield f"output.{name} = {now}: the earlier run {lacked}"
+    fields = "fields" in run.model.keeps and case.output.fields
+    for name in run.model.keeps:
+        yield from _kept_otherwise(case, other, name)
     if fields and case.kept_fields - other.kept_fields:
         raise NotKeptError(
             "it keeps fields of points that output.field_steps leaves out: name them, too, or use another output or "
@@ -253,10 +240,30 @@ def _faults(case: Case, other: Case, run: Run) -> Iterator[str]:
         )
     if fields and other.kept_fields.intersection(range(len(case.path))) - case.kept_fields:
         yield "output.field_steps: the earlier run did not keep the fields of these points"
+    if fields:
+        yield from _kept_otherwise(case, other, "field_precision")
+    if path_changed:
+        yield "the path has changed, and its points share quantities of the whole path"
     if run.model.own_steps and case.least_step != other.least_step:
         yield "the least step of loading.adaptive follows the largest value of the path, which grew"
-    output, bins = case.output, run.bins
+    output, bins = case.output, run.study.bins
     for chosen, edges in ((output.pressure_range, bins.pressure_edges), (output.gap_range, bins.gap_edges)):
         slack = 1e-9 * (edges[-1] - edges[0])
         if chosen is not None and not chosen[0] - slack <= edges[0] < edges[-1] <= chosen[1] + slack:
             yield "the distributions there were counted in a narrower range"
+
+
+def _kept_otherwise(case: Case, other: Case, name: str) -> Iterator[str]:
+    """Yield why output that an earlier case kept does not serve another one that keeps more of it."""
+    there, here = getattr(case.output, name), getattr(other.output, name)
+    change = _KEPT[name].index(here) - _KEPT[name].index(there)
+    # Flags as a study file has them.
+    then, now = (value if isinstance(value, str) else str(value).lower() for value in (there, here))
+    if change < 0:
+        raise NotKeptError(
+            f"it keeps {name.replace('_precision', 's')} by output.{name} = {then}, this study has {now}: set it "
+            "so, or use another output or --overwrite"
+        )
+    if change:
+        lacked = "kept single precision" if name == "field_precision" else f"did not keep its {name}"
+        yield f"output.{name} = {now}: the earlier run {lacked}"
