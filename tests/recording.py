@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from contact_study.results.observables import recorded
-from contact_study.study.study import Study, bins_of
+from contact_study.study.study import Study
 
 
 def bins_of_case(case):
-    return bins_of(Study({}, Path(), (case,), {}))
+    return Study({}, Path(), (case,), {}).bins
 
 
 def recorded_path(case, points):

@@ -56,8 +56,8 @@ def merge(
     sources = _read_sources(paths)
     run = _joined_run(sources, along)
     study = run.study
-    with ExitStack() as opened:
-        datasets = [opened.enter_context(DatasetReader(source.path, source.run.study)) for source in sources]
+    with ExitStack() as stack:
+        datasets = [stack.enter_context(DatasetReader(source.path, source.run.study)) for source in sources]
         holders = _holders(sources, study)
         own = _bins(run, datasets)
         bins = [dataset.bins(own) for dataset in datasets]
@@ -73,11 +73,11 @@ def merge(
                     f"{sources[which].path}: {COARSER_BINS}; run all parts with one output.pressure_range and gap_range"
                 )
         writable_output(output)
-        opened.callback(work.close)
+        stack.callback(work.close)
         work.open(resume=False, overwrite=overwrite)
         if output.exists() and not overwrite:  # by now
             raise InputError(f"{output} exists; use --overwrite to replace it")
-        opened.callback(work.remove)
+        stack.callback(work.remove)
         work.claim(run.attributes)
         groups, notes = assemble_cases(study, own, cases, progress)
         groups[""].attrs.update(_attributes(run, sources, notes, command))
@@ -99,9 +99,11 @@ def _read_sources(paths: Sequence[Path]) -> list[_Source]:
     """Read the records of at least two datasets of one model and version."""
     if len(paths) < 2:
         raise InputError("give at least two datasets to join")
-    for number, path in enumerate(paths):
-        if real(path) in map(real, paths[:number]):
+    known_paths = set[str]()
+    for path in paths:
+        if real(path) in known_paths:
             raise InputError(f"{path} is given twice")
+        known_paths.add(real(path))
     first, *others = sources = [_read_source(path) for path in paths]
     maps: dict[str, tuple[Path, str]] = {}
     for source in sources:
@@ -233,7 +235,7 @@ def _compared_keys(run: Run, case: Case) -> dict[str, Any]:
 def _bins(run: Run, datasets: Sequence[DatasetReader]) -> Bins:
     """Bins of the joined study; those that all parts share where its height map is missing."""
     try:
-        return run.bins
+        return run.study.bins
     except InputError:
         none = Bins.evenly((0, 1, 1), (0, 1, 1))
         first, *others = (dataset.bins(none) for dataset in datasets)

@@ -18,12 +18,11 @@ from typing import Any
 
 from contact_study.campaign.model import Model, check_study
 from contact_study.inputs.errors import InputError
-from contact_study.numerics.distributions import Bins
 from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import keys_of, shown
-from contact_study.study.study import Study, bins_of, make_study
+from contact_study.study.study import Study, make_study
 from contact_study.version import __version__
 
 # Keys of a case that decide no number, or only the numbers of some steps (see contact_study.campaign.resume).
@@ -64,10 +63,6 @@ class Run:
             "predictor": self.predictor,
             "height_maps": "\n".join(f"sha256:{content} {path}" for path, content in self.height_maps.items()),
         }
-
-    @cached_property
-    def bins(self) -> Bins:
-        return bins_of(self.study)
 
     def deciding_keys(self, case: Case) -> dict[str, Any]:
         """Return every key that decides the numbers of a case, with its value in SI."""

@@ -84,10 +84,10 @@ def run_campaign(
         sources: list[CaseFile | StoredCase] = [*files]
         with DatasetReader(output, earlier.study) if earlier and whole else nullcontext() as dataset:
             if dataset is not None:
-                held = dataset.bins(run.bins)
+                held = dataset.bins(run.study.bins)
                 for at, number in whole.items():
                     sources[at] = StoredCase(dataset, number, held)
-            groups, late = assemble_cases(study, run.bins, sources, progress)
+            groups, late = assemble_cases(study, run.study.bins, sources, progress)
             if finished is not None and earlier is not None:
                 notes = [*earlier.carried_warnings(finished), *notes]
             notes += late
@@ -126,7 +126,7 @@ def _run_cases(
         Job(
             run.model,
             replace(case, directory=case.directory.absolute()),
-            run.bins,
+            run.study.bins,
             work.case_file(name).absolute(),
             predictor,
             run.height_maps.get(str(case.surface.map_path), ""),
@@ -163,7 +163,8 @@ def _run_cases(
             raise engines.CampaignError(
                 f"{files[number].path}: a worker has finished steps that are not here; share the folder with all"
             )
-    return files, list(dict.fromkeys(note for file in files for note in file.notes))
+    notes = (note for at, file in enumerate(files) if at not in whole for note in file.notes)
+    return files, list(dict.fromkeys(notes))
 
 
 def available_cores() -> int:

@@ -84,11 +84,9 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         start = kept.start
         if start == len(case.path):
             return
-        averages: Averages | None = None
-        restart = (kept.state(start - 1) or None) if start else None
-        if partial := kept.partial(start):
-            averages = Averages.restored(partial, job.bins, start in case.kept_fields)
-            restart = restart if averages is None else _part(partial, _RESTART)
+        partial = kept.partial(start)
+        averages = Averages.restored(partial, job.bins, start in case.kept_fields) if partial else None
+        restart = _part(partial, _RESTART) if averages else (kept.state(start - 1) or None) if start else None
         gaps = None
         if job.predictor is not None:
             from contact_study.campaign.dataset.predictor import GapFields  # and xarray, which is slow to import

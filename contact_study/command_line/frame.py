@@ -46,7 +46,7 @@ def epilog(*examples: str, solves: bool = False) -> str:
 
 
 def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
-    """Part options ``--section.key VALUE``, values as TOML writes them or text, from the others."""
+    """Part options ``--section.key VALUE``, as TOML or text, from the others; InputError for a key no study has."""
     others, keys, left = list[str](), dict[str, Any](), iter(arguments)
     for argument in left:
         found = _KEY.fullmatch(argument)

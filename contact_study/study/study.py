@@ -59,6 +59,11 @@ class Study:
             known[case.surface] = case.scales
         return tuple(case.scales for case in self.cases)
 
+    @cached_property
+    def bins(self) -> Bins:
+        """The bins of all distributions, one set for all cases; InputError if a height map cannot be used."""
+        return _bins_of(self)
+
     @property
     def toml(self) -> str:
         return tomli_w.dumps(self.table)
@@ -284,8 +289,7 @@ def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> 
     return {**own, **beside}
 
 
-def bins_of(study: Study) -> Bins:
-    """The bins of a study's distributions, one set for all of its cases; InputError if a height map cannot be used."""
+def _bins_of(study: Study) -> Bins:
     ranges = (_ranges(case, scale) for case, scale in zip(study.cases, study.scales, strict=True))
     tension, compression, gap = (max(values) for values in zip(*ranges, strict=True))
     output = study.cases[0].output

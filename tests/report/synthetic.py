@@ -13,7 +13,7 @@ from contact_study.report.read.datasets import read_inputs
 from contact_study.results.observables import RELATIVE_DISTANCE
 from contact_study.results.schema import SCHEMA_VERSION
 from contact_study.study.case import realise
-from contact_study.study.study import bins_of, make_study
+from contact_study.study.study import make_study
 
 STUDY = """
 [study]
@@ -116,7 +116,7 @@ def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
 
 def _assemble(path, kind, text, unconverged, detached, attrs):
     asked = study(text)
-    bins, cases = bins_of(asked), []
+    bins, cases = asked.bins, []
     for number, case in enumerate(asked.cases):
         steps = [
             {

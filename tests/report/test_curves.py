@@ -10,7 +10,6 @@ from contact_study.report.align import curves
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.facts.shown_states import common_label, panel_points
 from contact_study.report.read.datasets import read_scatter
-from contact_study.study.study import bins_of
 from tests.report import synthetic
 from tests.report.panels import area_curves, bands, density_curves, gap_curves, one
 from tests.report.synthetic import H_RMS, MODULUS, PRESSURES, SEEDED, area, gap, of_seeds, read, standard_error
@@ -67,7 +66,7 @@ def test_distributions_are_those_of_the_paper_states(inputs):
     (stresses, panel_b), (gaps, _) = (density_curves(name, models, shown) for name in ("pressure", "gap"))
     assert {curve.label for curve in panel_b} == {"p/E* = −0.00532", "p/E* = 0.00832", "p/E* = 0.06265"}
     assert {curve.model for curve in gaps} == {"atomistic", "continuum", "gap_flow"}, "Persson's theory has none"
-    bins = bins_of(synthetic.study())
+    bins = synthetic.study().bins
     for found, edges, unit, name in (
         (stresses, bins.pressure_edges, MODULUS, "pressure"),
         (gaps, bins.gap_edges, H_RMS, "gap"),

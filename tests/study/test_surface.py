@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from contact_study.study.case import realise
-from contact_study.study.study import bins_of, make_study
+from contact_study.study.study import make_study
 from tests.study.test_study import changed
 
 
@@ -56,7 +56,7 @@ def chosen(**keys):
     table = changed("output", **keys)
     table["sweep"] = {"interaction.well_depth_ratio": [1, 8]}
     study = make_study(table)
-    return bins_of(study), study.cases[-1]
+    return study.bins, study.cases[-1]
 
 
 def test_zero_stress_lies_in_the_middle_of_a_bin_and_the_strongest_law_fits():
@@ -76,15 +76,15 @@ def test_detachment_stress_of_perssons_theory_fits_and_nothing_beyond_full_conta
     wave = case.solid.stiffness(np.array([2 * np.pi * 12 / 104e-9]))[0]
     cracks = np.sqrt(2 * wave * case.law.work_of_adhesion)
     assert cracks > 5 * case.law.peak_tensile_stress
-    edge = bins_of(make_study(table)).pressure_edges[0]
+    edge = make_study(table).bins.pressure_edges[0]
     assert edge == pytest.approx(-cracks, rel=0.1)  # two digits, upwards, and half a bin
     assert edge < -cracks
     table["surface"]["rms_height"] = "0.1 angstrom"
-    assert bins_of(make_study(table)).pressure_edges[0] > -cracks
+    assert make_study(table).bins.pressure_edges[0] > -cracks
 
 
 def test_seeds_have_the_same_bins_and_given_ranges_are_kept():
-    one, other = (bins_of(make_study(changed("sweep", **{"surface.seed": seeds}))) for seeds in ([1], [3, 4]))
+    one, other = (make_study(changed("sweep", **{"surface.seed": seeds})).bins for seeds in ([1], [3, 4]))
     np.testing.assert_array_equal(other.pressure_edges, one.pressure_edges)
     np.testing.assert_array_equal(other.gap_edges, one.gap_edges)
     bins, _ = chosen(pressure_range=["-1 GPa", "3 GPa"], pressure_bins=8, gap_range=["0 nm", "2 nm"], gap_bins=4)
@@ -129,7 +129,7 @@ def test_ranges_are_those_of_the_largest_values_also_on_a_wall_that_carries_noth
     """Six deviations of the full-contact stress beside pressure and peak; heights, contact and prescribed gaps."""
     table = changed("loading", path=["1 GPa", "200 GPa"])
     study = make_study(table)
-    bins = bins_of(study)
+    bins = study.bins
     (case,), (scale,) = study.cases, study.scales
     highest = 3 * case.material.contact_modulus * scale.rms_slope + 200e9 + case.law.peak_tensile_stress
     # Rounded upwards to two digits, and moved by half a bin for zero to lie in the middle of one.
@@ -138,13 +138,13 @@ def test_ranges_are_those_of_the_largest_values_also_on_a_wall_that_carries_noth
     widest = 1.1 * scale.peak_to_valley + 4 * case.contact_distance
     assert 0 <= bins.gap_edges[-1] - widest <= 0.1 * widest
     table["loading"] = {"control": "gap", "path": ["30 nm", "1 nm"]}
-    bins = bins_of(make_study(table))
+    bins = make_study(table).bins
     assert 0 <= bins.gap_edges[-1] - (widest + 30e-9) <= 0.1 * (widest + 30e-9)
     assert bins.pressure_edges[-1] < 0.5 * highest  # 30 nm are no pressure
     table = changed("surface", kind="flat")
     table["interaction"] = {"law": "hard_wall"}
     table["loading"] = {"control": "gap", "path": [0.0, 1e-9]}
-    bins = bins_of(make_study(table))
+    bins = make_study(table).bins
     assert np.all(np.isfinite(bins.pressure_edges))
     assert bins.pressure_edges[0] < 0 < bins.pressure_edges[-1]
     assert bins.gap_edges[-1] >= 1e-9

@@ -97,17 +97,20 @@ class RecordFile:
 
     def check(self) -> None:
         """Verify every record; drop corrupt ones."""
-        for key in [*self._records]:
-            try:
-                self._bytes(key)
-            except CampaignError:
-                self.damaged = True
-                del self._records[key]
+        if not self._records:
+            return
+        with self.path.open("rb") as stream:
+            for key in [*self._records]:
+                try:
+                    self._bytes(stream, key)
+                except CampaignError:
+                    self.damaged = True
+                    del self._records[key]
 
     def _read(self, key: Key, arrays: bool = True) -> tuple[dict[str, Any], Any]:
         """Read values and further content of a record; without ``arrays`` unverified."""
-        content = self._bytes(key) if arrays else b""
         with self.path.open("rb") as stream:
+            content = self._bytes(stream, key) if arrays else b""
             stream.seek(self._records[key].start + _HEAD.size)
             values, extra, shapes = json.loads(stream.read(*_LENGTH.unpack(stream.read(_LENGTH.size))))
             start = stream.tell() - self._records[key].start
@@ -116,12 +119,11 @@ class RecordFile:
             start += values[name].nbytes
         return values, extra
 
-    def _bytes(self, key: Key) -> bytes:
-        """Read a whole record; raises CampaignError if it is corrupt."""
+    def _bytes(self, stream: BinaryIO, key: Key) -> bytes:
+        """Read a whole record from the open file; raises CampaignError if it is corrupt."""
         start, end, checksum = self._records[key]
-        with self.path.open("rb") as stream:
-            stream.seek(start)
-            content = stream.read(end - start)
+        stream.seek(start)
+        content = stream.read(end - start)
         head = _HEAD.pack(_MARK, *key, 0, end - start - _HEAD.size)
         if zlib.crc32(memoryview(content)[_HEAD.size :], zlib.crc32(head)) != checksum:
             raise CampaignError(f"{self.path}: is corrupt")
@@ -215,10 +217,12 @@ class CaseFile(RecordFile):
     def _copy(self, target: BinaryIO, keys: Iterable[Key]) -> None:
         """Copy records into a new file, whose records they become."""
         copied: dict[Key, Record] = {}
-        for key in keys:
-            start = target.tell()
-            target.write(self._bytes(key))
-            copied[key] = self._records[key]._replace(start=start, end=target.tell())
+        if self._records:
+            with self.path.open("rb") as source:
+                for key in keys:
+                    start = target.tell()
+                    target.write(self._bytes(source, key))
+                    copied[key] = self._records[key]._replace(start=start, end=target.tell())
         self._records = copied
 
 

@@ -18,6 +18,10 @@ KEYS = True
 USAGE = "STUDY.toml [--model NAME] [--section.key VALUE ...]"
 END = epilog("bem-adhesion check study.toml", "bem-adhesion check study.toml --model atoms --surface.shape 512,512")
 
+# Numbers to expect.
+_ZONE, _THETA = "grid points per process zone", "theta = Δγ / U_full (Persson, Tosatti)"
+_TABOR, _AREA = "Tabor parameter of the asperities", "area without adhesion, largest load (%)"
+
 
 def add(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
@@ -103,12 +107,15 @@ def _extent(study: "Study") -> Iterator[str]:
         yield f"and {len(grids) - 3} other grids"
 
 
-def _expected(cases: Sequence[dict[int, float]]) -> Iterator[tuple[str, str, str]]:
+def _expected(cases: Sequence[dict[str, float]]) -> Iterator[tuple[str, str, str]]:
     """Yield a row for each number and each meaning that it has in some case."""
-    for number, (title, meant) in enumerate(meanings().items()):
+    for title, meant in _meanings().items():
         groups: dict[str, list[float]] = {}
-        for value in sorted(case[number] for case in cases if number in case):
-            groups.setdefault(next(words for least, words in meant.items() if value >= least), []).append(value)
+        lowest = [*meant.values()][-1]
+        for value in sorted(case[title] for case in cases if title in case):
+            groups.setdefault(next((words for least, words in meant.items() if value >= least), lowest), []).append(
+                value
+            )
         for words, values in groups.items():
             low, high = f"{values[0]:.3g}", f"{values[-1]:.3g}"
             part = "" if len(values) == len(cases) else f" ({len(values)} of {len(cases)} cases)"
@@ -116,46 +123,46 @@ def _expected(cases: Sequence[dict[int, float]]) -> Iterator[tuple[str, str, str
             title = ""
 
 
-def meanings() -> dict[str, dict[float, str]]:
+def _meanings() -> dict[str, dict[float, str]]:
     """Return the numbers to expect, and what each means from a least value on."""
     from contact_study.physics.process_zone import DMT_LIKE, JKR_LIKE, POINTS_FOR_ONE_STATE, POINTS_PER_PROCESS_ZONE
 
     more = f"use {POINTS_PER_PROCESS_ZONE} or more"
     return {
-        "grid points per process zone": {
+        _ZONE: {
             POINTS_PER_PROCESS_ZONE: "the grid resolves contact edges",
             POINTS_FOR_ONE_STATE: f"edges are trapped on unloading, pull-off comes out too strong; {more}",
             0: f"too coarse: the area may be wrong by a factor of two, pull-off is the grid's; {more}",
         },
-        "theta = Δγ / U_full (Persson, Tosatti)": {
+        _THETA: {
             1: "full contact gains energy: surfaces that touch will stick completely",
             0: "full contact costs energy: contact stays partial without a load",
         },
-        "Tabor parameter of the asperities": {
+        _TABOR: {
             JKR_LIKE: "JKR-like: contacts jump, loading and unloading will differ",
             DMT_LIKE: "between the limits: the range matters, loading and unloading may differ",
             0: "DMT-like: adhesion hardly deforms the solid, loading and unloading agree",
         },
-        "area without adhesion, largest load (%)": {
+        _AREA: {
             20: "beyond light contact",
             0: "light contact, in proportion to the load",
         },
     }
 
 
-def _numbers(case: "Case") -> dict[int, float]:
+def _numbers(case: "Case") -> dict[str, float]:
     """Return what a case has of these numbers; θ as B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001)."""
     from contact_study.physics.process_zone import process_zone, tabor_parameter
 
-    law, solid, scales, found = case.law, case.solid, case.scales, dict[int, float]()
+    law, solid, scales, found = case.law, case.solid, case.scales, dict[str, float]()
     rough, stress = scales.apex_curvature is None, scales.full_contact_stress(solid)
     if law.attracts and not case.surface.absent:
-        found[0] = process_zone(solid.softest_modulus(*scales.grid_waves), law) / scales.pixel
+        found[_ZONE] = process_zone(solid.softest_modulus(*scales.grid_waves), law) / scales.pixel
     if law.attracts and rough and scales.spectrum is not None:
-        found[1] = law.work_of_adhesion / float(scales.spectrum.full_contact_energy(solid.stiffness))
+        found[_THETA] = law.work_of_adhesion / float(scales.spectrum.full_contact_energy(solid.stiffness))
     if law.attracts and scales.rms_curvature > 0:
         reach = law.length if law.has_wall else law.equilibrium_distance
-        found[2] = tabor_parameter(1 / scales.rms_curvature, solid.contact_modulus, law.work_of_adhesion, reach)
+        found[_TABOR] = tabor_parameter(1 / scales.rms_curvature, solid.contact_modulus, law.work_of_adhesion, reach)
     if case.loading.control == "pressure" and stress > 0 and rough:  # by Persson's theory
-        found[3] = 100 * math.erf(max(0.0, *case.loading.path) / (math.sqrt(2) * stress))
+        found[_AREA] = 100 * math.erf(max(0.0, *case.loading.path) / (math.sqrt(2) * stress))
     return found
