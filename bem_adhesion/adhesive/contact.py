@@ -102,8 +102,9 @@ class AdhesiveContact:
         state, target = step_arguments(self.control, target, state, self.height.shape)
         gap = self._gap_of(state)
         closest = gap[self._inside].min()
-        if closest < 0 if self.law.has_wall else self.law.diverges and not closest > 0:
-            raise ValueError(f"the state to start from has gaps {'<' if self.law.has_wall else '<='} 0")
+        sign, inside = ("<", closest < 0) if self.law.has_wall else ("<=", self.law.diverges and not closest > 0)
+        if inside:
+            raise ValueError(f"the state to start from has gaps {sign} 0")
         out_of_reach = self._out_of_reach(gap)
         before = self._work.pairs
         if self.control == "gap":

@@ -1,6 +1,7 @@
 """Relaxation in periodic subdomains, K' (d − d₀) + φ'(d) + (K d₀ + load) = 0, K' the solid there, rims anchored.
 
-Where a patch jumps, its edge moves for tens of Newton steps while all else rests. The next one of all corrects K'.
+Where a patch jumps, its edge moves for tens of Newton steps while all else rests. Only the change from the gap before,
+d₀, is elastic with K'; the next Newton step of the whole grid corrects that.
 """
 
 import numpy as np

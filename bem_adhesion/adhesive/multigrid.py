@@ -31,7 +31,7 @@ class MultigridSolver:
             self.finest.corrector = LocalNewton(grid, make, Memory(idle))
         self.points_per_process_zone = process_zone(1.0, self.finest.law) / max(grid.spacing)
         self.coarser: MultigridSolver | None = None
-        half = Grid((grid.shape[0] // 2, grid.shape[1] // 2), grid.size)
+        half = grid.halved
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
         resolved = self.points_per_process_zone >= 2 * self.options.points_for_prediction
         if even and min(half.shape) >= self.options.fewest_points and resolved:

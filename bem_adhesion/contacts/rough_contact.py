@@ -192,15 +192,14 @@ def contact_between(
         )
     if boundary not in ("periodic", "free"):
         raise ValueError(f"boundary = {boundary!r}: must be 'periodic' or 'free'")
-    bare_wall = law.has_wall and not law.attracts
     if hardness is not None:
-        if not bare_wall:
+        if not law.bare_wall:
             raise ValueError(
                 f"hardness: known of a hard wall without adhesion, not of {type(law).__name__}; leave one out"
             )
         options["hardness"] = positive("hardness", hardness, "Pa")
     adhesive: Any = FreeBoundaryContact if boundary == "free" else AdhesiveContact
-    make: Any = HardWallContact if bare_wall and boundary == "periodic" else partial(adhesive, law=law)
+    make: Any = HardWallContact if law.bare_wall and boundary == "periodic" else partial(adhesive, law=law)
     make = partial(make, grid=grid, elasticity=elasticity, **options)
     return make(heights) if hardness is None else PlasticContact(heights, make)
 
@@ -223,11 +222,10 @@ class FreeBoundaryContact:
         free = FreeHalfSpace(solid.contact_modulus)
         self._mean_stiffness = free.mean_stiffness_on(self._grid)
         self._share = grid.points / self._grid.points
-        bare_wall = law.has_wall and not law.attracts
-        heights = np.full(self._grid.shape, -np.inf if bare_wall else float(height.min()))
+        heights = np.full(self._grid.shape, -np.inf if law.bare_wall else float(height.min()))
         heights[self._window] = height
         self._padded: HardWallContact | AdhesiveContact
-        if bare_wall:
+        if law.bare_wall:
             self._padded = HardWallContact(heights, self._grid, free, **options)
         else:
             self._padded = AdhesiveContact(heights, self._grid, free, law, window=self._window, **options)
@@ -275,7 +273,7 @@ class PlasticContact:
     def __init__(self, height: np.ndarray, make_wall: Callable[..., HardWallContact | FreeBoundaryContact]):
         self.height = height
         self._make_wall = make_wall
-        self._unit = float(height.std()) or None  # the rms height of a flattened surface would be none
+        self._unit = float(height.std()) or None  # of errors: a surface flattened everywhere has no rms height
         self._inside = tuple(map(slice, height.shape))  # without the padding of free boundaries
         wall = make_wall(height)
         self._control = wall.control
@@ -286,7 +284,10 @@ class PlasticContact:
         return np.broadcast_to(0.0, (2, *self._untouched.shape))
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the contact at a load; the state is pressure and indentation (m), an approach from first touch then."""
+        """Find the contact at a load; the state is pressure (Pa) and indentation so far (m).
+
+        An approach counts from first touch of the surface before it yielded.
+        """
         state, target = step_arguments(self._control, target, state, (2, *self._untouched.shape))
         before = state[1][self._inside]
         if before.min() < 0:

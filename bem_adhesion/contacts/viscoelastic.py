@@ -72,7 +72,7 @@ class ViscoelasticContact:
         self._law = law
         self._options = options
         self._weight = self._grid.multiplicity * HalfSpace(1.0).stiffness_on(self._grid)
-        self._wall = law.has_wall and not law.attracts
+        self._wall = law.bare_wall
         self._moduli, self._times = np.array(solid.branch_moduli), np.array(solid.relaxation_times)
         self._control = str(options.get("control", "pressure"))
         apart = self._elastic_contact(self.height, solid.contact_modulus).separated()

@@ -51,8 +51,7 @@ class ContactLevel:
         if rows % 2 or columns % 2 or min(rows, columns) < 2 * COARSEST:
             return self.start_from_full_contact(mean_pressure)
         heights = np.ascontiguousarray(self.heights[::2, ::2])
-        grid = Grid((rows // 2, columns // 2), self.grid.size)
-        coarser = ContactLevel(heights, grid, self._make_operator, self._bound)
+        coarser = ContactLevel(heights, self.grid.halved, self._make_operator, self._bound)
         full_contact = coarser.start(mean_pressure, max_iterations)
         if not full_contact:
             coarser.solve(mean_pressure, COARSE_TOLERANCE, max_iterations)

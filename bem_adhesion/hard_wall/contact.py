@@ -263,5 +263,19 @@ class HardWallContact:
         if np.isfinite(self.hardness):
             beyond = max(0.0, -float(pressure.min()), float(pressure.max()) - self.hardness)
             beyond /= self.elasticity.contact_modulus
-        rest = *end[:2], 0.0, end[2], beyond, None, indentation
-        return Solution(pressure, displacement, gap, pressure, elastic_energy, 0.0, *rest, law=HardWall())
+        residual, iterations, outcome = end
+        return Solution(
+            pressure,
+            displacement,
+            gap,
+            pressure,
+            elastic_energy,
+            interaction_energy=0.0,
+            residual=residual,
+            iterations=iterations,
+            fft_pairs=0.0,
+            outcome=outcome,
+            complementarity_residual=beyond,
+            plastic_indentation=indentation,
+            law=HardWall(),
+        )

@@ -41,10 +41,9 @@ def preconditioner_for(
     operator: PeriodicOperator, make: MakeOperator, shift: float, short_waves: float, halvings: int = HALVINGS
 ) -> Inverse:
     """Return the inverse on an operator in float32: only waves longer than a few points need K, by coarser grids."""
-    rows, columns = operator.grid.shape
-    if not (halvings and can_be_halved((rows, columns))):
+    if not (halvings and can_be_halved(operator.grid.shape)):
         return FourierPreconditioner(operator, shift)
-    coarse = make(Grid((rows // 2, columns // 2), operator.grid.size), np.float32)
+    coarse = make(operator.grid.halved, np.float32)
     inverse = preconditioner_for(coarse, make, shift, short_waves, halvings - 1)
     return HalvedInverse(operator.field, inverse, operator.largest, short_waves)
 

@@ -213,8 +213,8 @@ def path_of_equilibria(
                 passed.append(ledger)
         else:
             noise = _NOISE * case.law.work_of_adhesion
-            least = case.least_step or 0.0  # only adaptive paths have a ledger
-            solution, (_, *passed) = adaptive_step(contact, state, ledger, value, least, case.solid, noise)
+            assert case.least_step is not None  # only adaptive paths have a ledger
+            solution, (_, *passed) = adaptive_step(contact, state, ledger, value, case.least_step, case.solid, noise)
             ledger = passed[-1] if passed else ledger
         state = solution.state
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None

@@ -55,6 +55,11 @@ class Grid:
             weight[-1] = 1.0
         return weight[None, :]
 
+    @property
+    def halved(self) -> "Grid":
+        """Every second point of the same rectangle."""
+        return Grid((self.shape[0] // 2, self.shape[1] // 2), self.size)
+
     def variances(self, coefficients: np.ndarray) -> np.ndarray:
         """Mean square of each wave of a field, from its normalised half spectrum; their sum is the variance."""
         variances = self.multiplicity * np.abs(coefficients) ** 2

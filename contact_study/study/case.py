@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.inputs.errors import InputError
+from contact_study.inputs.errors import InputError, refuse
 from contact_study.inputs.units import stress
 from contact_study.physics.lattice import Lattice, lattice_of
 from contact_study.physics.laws import LAWS, TractionLaw
@@ -108,14 +108,14 @@ class Case:
             raise InputError(f"missing key loading.duration: {kind} needs times between points")
         if isinstance(duration, tuple) and len(duration) != len(path):
             raise InputError(f"loading.duration holds {len(duration)} times for {len(path)} points of loading.path")
-        for refused, name in (
-            (self.loading.adaptive, "loading.adaptive"),
-            (self.solver.path == "overdamped", 'solver.path = "overdamped"'),
-            (self.output.stiffness, "output.stiffness"),
-            (self.material.hardness is not None, "material.hardness"),
-        ):
-            if refused:
-                raise InputError(f"{name}: not known of {kind}; leave it out")
+        refuse(
+            {
+                f"loading.adaptive: not known of {kind}; leave it out": self.loading.adaptive,
+                f'solver.path = "overdamped": not known of {kind}; leave it out': self.solver.path == "overdamped",
+                f"output.stiffness: not known of {kind}; leave it out": self.output.stiffness,
+                f"material.hardness: not known of {kind}; leave it out": self.material.hardness is not None,
+            }
+        )
 
     @property
     def spectra(self) -> tuple[str, ...]:
@@ -174,7 +174,7 @@ class Case:
     def contact_distance(self) -> float:
         """Gaps below it count as contact (m)."""
         given, law = self.interaction.contact_distance, self.law
-        return law.contact_distance if given is None or (law.has_wall and not law.attracts) else given
+        return law.contact_distance if given is None or law.bare_wall else given
 
     @property
     def height_map(self) -> Path | None:

@@ -240,7 +240,7 @@ def describe_maps(cases: Sequence[Case]) -> list[str]:
 def idle_keys(cases: Sequence[Case]) -> list[str]:
     """One line for each reason why keys of some cases are without effect."""
     names, notes = ("work_of_adhesion", "well_depth", "length", "contact_distance"), []
-    walls = [case.interaction for case in cases if case.law.has_wall and not case.law.attracts]
+    walls = [case.interaction for case in cases if case.law.bare_wall]
     without = [f"interaction.{name}" for name in names if any(getattr(wall, name) is not None for wall in walls)]
     if without:
         why = f'where interaction.law = "{walls[0].law}", which neither attracts nor reaches'

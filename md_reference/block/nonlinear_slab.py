@@ -18,7 +18,7 @@ _UPWARD = ((0, 0), (0, 1), (0, -1), (1, 0), (-1, 0))
 
 @row_kernel
 def rotating_slab_force(nodes, force, edge, shear_modulus, bulk, first, end):
-    """Write the forces (N) on rows of a slab whose ghosts are filled; return the energy that begins there (J).
+    """Write the forces (N) on rows of a slab whose ghosts are filled; return the energy of what begins there (J).
 
     ``edge`` is that of a cell (m), ``shear_modulus`` μ and ``bulk`` λ − μ (Pa).
     """

@@ -1,9 +1,10 @@
 """An interface evaluated again only where atoms have moved: all but some tens while a contact edge advances.
 
 The others are expanded to second order about their last evaluation, as long as the next term of the force, ½ T d², is
-below an error that the caller allows, and |d| below a tenth of r0. For a layer's law P (s¹¹ − s⁵), s = r0/distance, in
-units of P/r0 and P/r0², k = 11 s¹² − 5 s⁶, and T = 132 s¹³ − 30 s⁷ stays below 17 k⁺ + 60 |F| for s < 1.6. Where the
-pairs are taken to zero over the last tenth of the cutoff r_c it is some (r0/r_c)⁵ / (0.1 r_c/r0)².
+below an error that the caller allows, and |d| below a tenth of r0. Stiffness k and force F of the atom bound T: for a
+layer's law F = P (s¹¹ − s⁵), s = r0/distance, k = 11 s¹² − 5 s⁶ and T = 132 s¹³ − 30 s⁷ in units of P/r0 and P/r0², and
+T stays below 17 k⁺ + 60 |F| for s < 1.6. Where the pairs are taken to zero over the last tenth of the cutoff r_c it is
+some (r0/r_c)⁵ / (0.1 r_c/r0)².
 """
 
 import math

@@ -77,7 +77,7 @@ class LennardJonesInterface:
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
         """Write forces (N) and second derivatives (N/m: xx, yy, zz, xy, xz, yz); return the energy of all pairs (J).
 
-        It is infinite, with undefined results, if an atom is less than 0.3 r0 above the site below it or nowhere.
+        Infinite, with undefined results, if an atom is less than 0.3 r0 above the site below it, or is not finite.
         """
         derivatives = self._no_hessian if hessian is None else hessian
         if not self.evaluate_some(displacement, self._all, force, derivatives, self._energy):

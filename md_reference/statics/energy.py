@@ -58,8 +58,9 @@ class MinimizerState:
 
 
 class BlockEnergy:
-    """Energy, forces and curvature of one block and one interface, in units of E* where ``fixed_mean`` may be kept.
+    """Energy (J), forces (N) and curvature of one block and one interface; residuals are over a² E*.
 
+    ``fixed_mean`` keeps the mean of the normal component.
     ``force``, shape (3, ny, nx), is that of the interface on each atom at the last evaluated state (N).
     """
 
@@ -97,7 +98,7 @@ class BlockEnergy:
         return self._transform.pairs + 0.5 * self.newton.pairs
 
     def evaluate(self, displacement: np.ndarray) -> MinimizerState:
-        """Evaluate a starting state; ValueError if an atom lies inside the substrate or nowhere."""
+        """Evaluate a starting state; ValueError if an atom lies inside the substrate or is not finite."""
         u = displacement.copy()
         self._interface.forget()
         energy = self._interface.evaluate(u, self.force)

@@ -140,7 +140,7 @@ class LinearSolver:
 
 
 class FourierPreconditioner:
-    """(S + shift)⁻¹ by transforms of three components in float32, in N/m."""
+    """(S + shift)⁻¹ by transforms of three components in float32; S and ``shift`` in N/m."""
 
     def __init__(self, transform: RealTransform, coefficients: np.ndarray, shift: float):
         self.field = transform.field

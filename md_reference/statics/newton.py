@@ -33,7 +33,7 @@ def solve(energy: BlockEnergy, start: np.ndarray, pressure: float, tolerance: fl
     """Find the equilibrium reached from a starting displacement (m) under a mean pressure (Pa).
 
     The pressure is not used where the mean of the normal component is kept; ``tolerance`` is in units of E*. ValueError
-    if an atom of the start lies inside the substrate or nowhere.
+    if an atom of the start lies inside the substrate or is not finite.
     """
     transforms = energy.pairs
     load = Load(0.0 if energy.fixed_mean else pressure * energy.area)

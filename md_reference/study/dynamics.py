@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from contact_study.inputs.errors import InputError
+from contact_study.inputs.errors import InputError, refuse
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.schema import block_nodes, surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport
@@ -15,7 +15,7 @@ from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.statics.energy import separated
-from md_reference.study.system import Predictor, Restart, States, build_interface, refuse, row_threads
+from md_reference.study.system import Predictor, Restart, States, build_interface, row_threads
 from md_reference.thermal import equilibration
 from md_reference.thermal.checkpoint import Frame, TrajectoryState
 from md_reference.thermal.equilibration import Descent
@@ -32,7 +32,8 @@ def check(case: Case) -> None:
         raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
     driven, lowest = case.loading.control == "gap", min(case.loading.path)
     thickness = case.block_layers * case.lattice.constant
-    step, largest = time_step(case), largest_time_step(case)
+    largest = largest_time_step(case)
+    step = time_step(case, largest)
     sound = math.sqrt(longitudinal_modulus(case) * case.lattice.constant**3 / mass)
     refuse(
         {
@@ -68,9 +69,10 @@ def largest_time_step(case: Case) -> float:
     return 2 / math.sqrt(fastest_wave(element, case.material.atom_mass) ** 2 + contact / case.material.atom_mass)
 
 
-def time_step(case: Case) -> float:
-    """Return the time step of a case (s)."""
-    return _SAFE_STEP * largest_time_step(case) if case.dynamics.time_step is None else case.dynamics.time_step
+def time_step(case: Case, largest: float | None = None) -> float:
+    """Return the time step of a case (s); ``largest`` is :func:`largest_time_step`, if known."""
+    given = case.dynamics.time_step
+    return given if given is not None else _SAFE_STEP * (largest or largest_time_step(case))
 
 
 def build_block(case: Case) -> MultiscaleBlock:
@@ -254,10 +256,15 @@ class _Run:
             * abs(self._system.momentum(at.motion) / block.total_mass),
         )
         if case.atomistic.temperature > 0:
-            nodes, whole = (float(np.mean([frame[of] for frame in counted])) for of in (3, 4))
-            given = case.atomistic.temperature, block.freedoms
-            forgotten = case.dynamics.damping * (counted[-1].time - counted[0].time)
-            return equilibration.not_in_equilibrium(descent, modulus, nodes, whole, *given, forgotten)
+            return equilibration.not_in_equilibrium(
+                descent,
+                modulus,
+                nodes=float(np.mean([frame.temperature for frame in counted])),
+                whole=float(np.mean([frame.whole for frame in counted])),
+                bath=case.atomistic.temperature,
+                freedoms=block.freedoms,
+                forgotten=case.dynamics.damping * (counted[-1].time - counted[0].time),
+            )
         if case.dynamics.damping == 0:
             return equilibration.load_missing(descent, modulus, swings=True)
         return equilibration.still_moving(descent, self._system.unbalanced(at.motion) / self._area, modulus)

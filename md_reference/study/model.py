@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from contact_study.campaign.memory import Need
 from contact_study.campaign.model import MODELS
-from contact_study.inputs.errors import InputError
+from contact_study.inputs.errors import InputError, refuse
 from contact_study.inputs.units import length
 from contact_study.numerics.grid import Grid
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales
@@ -20,7 +20,7 @@ from md_reference.block.multiscale import level_layers, node_count
 from md_reference.interface.pairs import INSIDE, flat_adhesion
 from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.study import cold, dynamics, sampling
-from md_reference.study.system import Predictor, Restart, States, build_stiffness, refuse
+from md_reference.study.system import Predictor, Restart, States, build_stiffness
 
 # Word of ``atomistic.method`` -> function of case, surface, restart, first point and predictor.
 METHODS: Mapping[str, Callable[[Case, Surface, Restart, int, Predictor], States]] = {

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from contact_study.inputs.errors import InputError
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.schema import surface_atoms
@@ -23,13 +22,6 @@ Restart = Mapping[str, np.ndarray] | None
 Predictor = Callable[[int], np.ndarray | None] | None
 # One state or ensemble per point of the path from a first one on. Motion has no use for a predictor.
 States = Iterator[InterfaceState | Ensemble]
-
-
-def refuse(reasons: Mapping[str, bool]) -> None:
-    """Raise InputError with the first message that holds."""
-    for message, holds in reasons.items():
-        if holds:
-            raise InputError(message)
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:

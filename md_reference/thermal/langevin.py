@@ -93,7 +93,8 @@ class MolecularDynamics:
     def temperature(self, motion: Motion) -> float:
         """Return the kinetic temperature of the nodes relative to a driven plane (K), by velocities half a kick away.
 
-        Where forces are linear, their mean square is that of equilibrium at any time step; at its end (ω dt)²/4 lack.
+        Where forces are linear, their mean square is that of equilibrium at any time step; that of velocities at the
+        end of a step lacks (ω dt)²/4 of it.
         """
         velocity = motion.velocity
         if self.driven:

@@ -104,6 +104,11 @@ class TractionLaw(ABC):
         near, far = _SAMPLES[lowest - 1], _SAMPLES[lowest + 1]
         return self.length * float(brentq(lambda gap: float(self.traction(np.array(self.length * gap))), near, far))
 
+    @property
+    def bare_wall(self) -> bool:
+        """Whether this is a wall without attraction: contact alone carries a stress."""
+        return self.has_wall and not self.attracts
+
     @cached_property
     def peak_distance(self) -> float:
         """Gap of the largest tensile traction (m)."""
