@@ -158,8 +158,9 @@ class StickinessCriteria:
 
     def quantities(self) -> dict[str, float]:
         """The numbers by their names in a dataset."""
-        names = {"tabor_number": "finest_tabor_number", "bearing_area_pull_off": "bearing_area_pull_off"}
-        return {names.get(name, f"{name}_ratio"): value for name, value in vars(self).items()}
+        ratios = ("persson_tosatti", "pastewka_robbins", "dmt_tension", "bearing_area")
+        found = {f"{name}_ratio": getattr(self, name) for name in ratios}
+        return {"finest_tabor_number": self.tabor_number, **found, "bearing_area_pull_off": self.bearing_area_pull_off}
 
     def to_dataset(self) -> Dataset:
         """Give the numbers in the schema of ``theory.nc``, as for :func:`contact_study.plots.criteria_map`."""

@@ -220,8 +220,9 @@ class Problem:
 def curve(problem: Problem, far: float, near: float, highest: float, thorough: bool) -> tuple[tuple[Piece, ...], int]:
     """Pieces of the curve, from far to contact with falling mean gaps in each, and how many states were lost.
 
-    The approach comes from ``far`` to a gap of ``near`` and a pressure of ``highest``. Where it ends early, nearer
-    states are reached, if ``thorough``, by adhesion that grows at one mean gap, and from contact outward.
+    The approach comes from ``far`` to a gap of ``near`` and a pressure of ``highest``; alone, it may hold states that
+    are not converged. Where it ends early, nearer states are reached, if ``thorough``, by adhesion that grows at one
+    mean gap, and from contact outward.
     """
     x, options = problem.gaps, problem.options
     pieces: list[Piece] = []

@@ -1,8 +1,9 @@
 """Edge flow: the gap flow whose response to a wave costs the elastic energy of its own modulation.
 
 This theory is this project's own and unpublished, judged by its simulations alone. The gap u changes by −f(u) h with
-the roughness h of wavevector q. Its distribution P and mean-square gradient M(u) = P <|∇u|² | u> follow from coarse to
-fine, from δ(u − ū) and zero, with the height variance m; the mean traction s(u) from fine to coarse, from φ'(u):
+the roughness h of wavevector q, on a solid of the stiffness K(q). Its distribution P and mean-square gradient M(u) = P
+<|∇u|² | u> follow from coarse to fine, from δ(u − ū) and zero, with the height variance m; the mean traction s(u) from
+fine to coarse, from φ'(u):
 
     ∂P/∂m = ½ (f² P)'',     M = f² N,     ∂N/∂m = ½ f⁻² (f⁴ N')' + f'² N + q² P,     ∂s/∂m = ½ f² s''.
 
@@ -42,7 +43,7 @@ class EdgeFlow(PressureCurve):
     Attributes
     ----------
     law, length, contact_modulus : TractionLaw, float
-        The law in units of ``length`` and ``contact_modulus`` (m, Pa).
+        The law in units of ``length`` and ``contact_modulus``, and these (m, Pa).
     pieces : tuple of tuple of Equilibrium
         The states that make the curve, from far to contact, mean gaps falling, in these units; more than one piece
         where the iteration finds no state between.

@@ -42,7 +42,7 @@ class GapFlow(PressureCurve):
     Attributes
     ----------
     law, length, contact_modulus : TractionLaw, float
-        The law in these units (m, Pa).
+        The law in units of ``length`` and ``contact_modulus``, and these (m, Pa).
     branch : str
         One of :data:`BRANCHES`.
     gaps, energy : numpy.ndarray, shape (n,)
@@ -66,6 +66,10 @@ class GapFlow(PressureCurve):
     _steps: np.ndarray
     _compliances: np.ndarray
     _hull: np.ndarray
+
+    @property
+    def _from_contact(self) -> bool:  # type: ignore[override]
+        return self.branch == "unloading"
 
     @property
     def name(self) -> str:

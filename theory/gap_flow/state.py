@@ -215,6 +215,7 @@ class PressureCurve(ABC):
     """The curve p(ū) of a surface, to be asked for the state at a pressure or a mean gap."""
 
     _end = "adhesion is too strong for it"  # why the curve may end before a pressure
+    _from_contact = False  # whether of several stable states the one of least gap is meant
 
     @property
     @abstractmethod
@@ -248,7 +249,7 @@ class PressureCurve(ABC):
         crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
         if crossings.size == 0:
             return float("nan")
-        i = crossings[0 if getattr(self, "branch", "") == "unloading" else -1]
+        i = crossings[0 if self._from_contact else -1]
         weight = (p[i] - pressure) / (p[i] - p[i + 1])
         return float((1 - weight) * gap[i] + weight * gap[i + 1])
 

@@ -1,6 +1,7 @@
 """Persson's theory without adhesion, where the diffusion with a resting boundary is solved by images.
 
-B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); separation: Phys. Rev. Lett. 99, 125502 (2007).
+B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); separation: Phys. Rev. Lett. 99, 125502 (2007), with the weight of
+the energy of C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008).
 """
 
 from functools import cache
@@ -12,7 +13,7 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 
 _gauss = cache(roots_legendre)
-_BETA = 0.4  # β of the energy's weight
+BETA = 0.4  # β of the energy's weight
 
 
 def relative_contact_area(pressure: np.ndarray | float, stress_variance: np.ndarray | float) -> np.ndarray:
@@ -29,7 +30,7 @@ def stress_density(stress: np.ndarray, pressure: float, stress_variance: float) 
 
 
 def mean_gap(
-    pressure: np.ndarray | float, spectrum: RoughnessSpectrum, elasticity: Elasticity | float, beta: float = _BETA
+    pressure: np.ndarray | float, spectrum: RoughnessSpectrum, elasticity: Elasticity | float, beta: float = BETA
 ) -> np.ndarray:
     """Mean separation with the weight W = A[β + (1−β)A²] of the elastic energy (m).
 
@@ -79,6 +80,6 @@ def low_pressure_asymptote(spectrum: RoughnessSpectrum, elasticity: Elasticity |
     solid = elasticity_of(elasticity)
     root, parts = stress_and_energy(spectrum, solid)
     inverse = 2 / (root[1:] + root[:-1])  # mean of w = 1/root over a band whose dU is shared as root d(root)
-    decay = float(_BETA * 2 / np.sqrt(np.pi) * np.sum(parts * inverse))
+    decay = float(BETA * 2 / np.sqrt(np.pi) * np.sum(parts * inverse))
     light = 1e-12 * solid.contact_modulus  # where the asymptote is exact to rounding
     return decay, float(light * np.exp(mean_gap(light, spectrum, solid) / decay))

@@ -152,7 +152,7 @@ class NonAdhesiveContact:
         return dataset_of((self.theory.correction,), values | {"converged": True, "detached": False}, bins)
 
 
-def _gauss(edges: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _gauss_points(edges: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Half the widths of intervals, Gauss's points inside and their weights."""
     nodes, weights = roots_legendre(order)
     half = 0.5 * np.diff(edges)
@@ -175,7 +175,7 @@ class _Curves:
             fall = -np.exp(-1 / (2 * t)) / np.sqrt(2 * np.pi * t**3)  # dA/dt
             full, slope = t / s, 1 / (1 / s - t * rise * fall / s**2)
         else:
-            half, inside, weights = _gauss(t, 8)
+            half, inside, weights = _gauss_points(t, 8)
             parts = half * np.sum(weights / share(erf(1 / np.sqrt(2 * inside))), axis=1)
             full, slope = t[0] + np.concatenate([[0.0], np.cumsum(parts)]), share(area)
         self._spread = CubicSpline(np.log(full), np.log(t))
@@ -183,7 +183,7 @@ class _Curves:
         # Rising x = p/√V = F^(−½).
         self._weight = CubicSpline(-0.5 * np.log(full)[::-1], (area * slope)[::-1])
         places = self._weight.x
-        half, inside, weights = _gauss(places, 6)
+        half, inside, weights = _gauss_points(places, 6)
         parts = half * np.sum(weights * self._weight(inside, 1) * np.exp(-inside), axis=1)
         self._separation = CubicSpline(places, np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]]))
 

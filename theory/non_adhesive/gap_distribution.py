@@ -2,7 +2,7 @@
 
 A. Almqvist, C. Campañá, N. Prodanov, B. N. J. Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412. The area
 that leaves contact at the magnification ζ has the mean gap u₁(ζ) = d(Aū)/dA, ū(ζ) being the mean separation under the
-pressure p/A(ζ) with the roughness beyond ζ alone, whose rms height h(ζ) spreads the gap:
+pressure p/A(ζ) with the roughness beyond ζ alone. Its rms height h(ζ) spreads the gap as a Gaussian g, folded at 0:
 
     P(u) = ∫ dζ (−A'(ζ)) [g(u − u₁; h) + g(u + u₁; h)],     u > 0.
 
@@ -21,7 +21,7 @@ from contact_study.physics.laws import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.datasets import Dataset, dataset_of
-from theory.non_adhesive.closed_forms import relative_contact_area, separation, shared_points
+from theory.non_adhesive.closed_forms import BETA, relative_contact_area, separation, shared_points
 
 # Bands of the spectrum, and parts of the area that leave contact: as many of equal area and of equal ratios.
 _BANDS, _PARTS = 100, 50
@@ -89,7 +89,7 @@ def gap_distribution(
     elasticity: Elasticity | float,
     pressure: float,
     regularised: bool = True,
-    beta: float = 0.4,
+    beta: float = BETA,
 ) -> GapDistribution:
     """Find P(u) without adhesion.
 
@@ -204,7 +204,7 @@ def _parts(
     contact: Callable[[np.ndarray], np.ndarray],
     local: Callable[[np.ndarray], np.ndarray],
     regularised: bool = False,
-    beta: float = 0.4,
+    beta: float = BETA,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Area, u₁ and deviation of the parts that leave contact between wavevectors (1/m).
 

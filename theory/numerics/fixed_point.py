@@ -111,9 +111,9 @@ def _remember(values, residuals, mixing, turn, move):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _step(shares, mixing, moves, residual, values, size, bounds, moved):
-    """Fill the values after a step, made of the residual and the remembered states, no larger than the size, a share.
+    """Fill the values after a step, made of the residual and the remembered states.
 
-    Comparisons let pass what is no number.
+    ``size`` is the largest step and the share of it that is taken. Comparisons let pass what is no number.
     """
     for k in range(moved.size):
         moved[k] = mixing * residual[k]

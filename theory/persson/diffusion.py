@@ -23,10 +23,12 @@ class DiffusionOptions:
 
     reach: float = 7.0  # deviations outside which 1e-12 of a Gaussian lies
     safe_distance: float = 10.0  # deviations from detaching at which a contact loses no more than 1e-23
-    coarsest: float = 0.3  # bounds of the stress up to which cells are nearly equal
+    # Bounds of the stress up to which cells are nearly equal, and that stress over the boundary's first distance.
+    coarsest: float = 0.3
     finest: float = 1e-5
-    share_of_start: float = 3.0  # that stress over the boundary's first distance
-    first_deviations: float = 250.0  # at the first node, its bound, too: narrower, SDIRK2 leaves negative masses
+    share_of_start: float = 3.0
+    # Its lower bound, too, in deviations at the first node: in narrower cells SDIRK2 leaves negative masses.
+    first_deviations: float = 250.0
     first_distance: float = 3.0  # distance at the start, over that stress, beyond which the boundary is moved closer
 
 

@@ -140,7 +140,8 @@ def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_itera
     Returns
     -------
     float
-        dU/dp (m): zero without sticking; otherwise it makes ū diverge as p falls. NotConverged warns as elsewhere.
+        dU/dp (m): zero without sticking; otherwise it makes ū diverge as p falls. NotConverged warns if a state did
+        not converge.
 
     Examples
     --------

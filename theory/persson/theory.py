@@ -242,7 +242,8 @@ class PerssonTheory(PerssonInterface):
             First σ_a at the magnifications (Pa), such as that of a neighbouring pressure; or ``"adhered"``, σ_a of
             conformal contact √(2α K Δγ); or ``"detached"``, zero. They differ where both states are stable.
         tolerance, max_iterations : optional
-            Largest last change of σ_a over the stress scale, and number of diffusions; fewer where it stops falling.
+            Largest change of σ_a over the stress scale in the last iteration, and diffusions at most; it ends earlier
+            where the change stops falling.
         """
         finite("pressure", pressure, "Pa")
         scale = self.stress_scale

@@ -114,8 +114,9 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         values |= stickiness(spectrum, case.solid, law).quantities()
         values["local_tabor_number"] = local_tabor_number(q, spectrum, case.solid, law.work_of_adhesion, range_of(law))
     for theories in every:
+        tolerance, most = theories.effort
         with theories.naming_the_spectrum():
-            pulled = {"persson": pull_off_pressure(theories.persson, 1e-3, *theories.effort)}
+            pulled = {"persson": pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=most)}
             pulled |= {flow.name: flow.pull_off_pressure for flow in theories.gap_flows}
         if theories.edge_flow is not None:
             pulled["edge_flow"] = theories.edge_flow.pull_off_pressure
@@ -152,7 +153,7 @@ def _along(
     names = ["_".join(["detachment_stress", *filter(None, [theories.other])]) for theories in every]
     begun = zip(every, names, strict=True)
     states_along = [paths.persson_path(each, restart.get(name, "adhered"), start) for each, name in begun]
-    flows = [list(paths.flow_paths(theories, start)) for theories in every]
+    flows = [paths.flow_paths(theories, start) for theories in every]
     for number, states in enumerate(zip(*states_along, strict=True), start):
         values: dict[str, Any] = {}
         kept: dict[str, np.ndarray] = {}

@@ -40,16 +40,20 @@ _DETACHED: dict[str, Any] = dict.fromkeys(_ZERO, 0.0) | {"stress_balance": np.na
 _DETACHED |= {"converged": True, "detached": True}
 
 
-def flow_paths(theories: CaseTheories, start: int = 0) -> Iterator[Callable[[int], dict[str, Any]]]:
+def flow_paths(theories: CaseTheories, start: int = 0) -> list[Callable[[int], dict[str, Any]]]:
     """Values of each flow at the point of a number from ``start`` on; none outside a wall, which no flow goes through.
 
-    A mistake of input is raised at the first.
+    A mistake of input is raised at the first point.
     """
+    edge_flow = theories.edge_flow
     with theories.naming_the_spectrum():
-        for flow, begun in zip(theories.gap_flows, theories.gap_flow_states, strict=True):
-            yield partial(_gap_flow_values, theories.case, flow, begun)
-        if theories.edge_flow is not None:
-            yield _edge_flow_values(theories.case, theories.edge_flow, theories.ahead, start)
+        found: list[Callable[[int], dict[str, Any]]] = [
+            partial(_gap_flow_values, theories.case, flow, begun)
+            for flow, begun in zip(theories.gap_flows, theories.gap_flow_states, strict=True)
+        ]
+        if edge_flow is not None:
+            found.append(_edge_flow_values(theories.case, edge_flow, theories.ahead, start))
+    return found
 
 
 def _unknown(names: tuple[str, ...], gap: float, message: str) -> dict[str, Any]:

@@ -168,7 +168,8 @@ def _netcdf(path: Path, channel: Channel) -> RawMap:
             if dimension not in dataset.coords or dataset[dimension].size < 2:
                 continue
             steps.append(step_of(dimension, dataset[dimension].values.astype(float)))
-            heights = heights.sortby(dimension)
+            if heights[dimension][0] > heights[dimension][-1]:
+                heights = heights.isel({dimension: slice(None, None, -1)})
             units.append(_unit(dataset[dimension]))
         if len(steps) < 2:
             return RawMap(heights.values, None, _unit(heights))

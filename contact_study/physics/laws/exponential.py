@@ -74,12 +74,16 @@ class Dugdale(TractionLaw):
         """σ0 (Pa)."""
         return self.work_of_adhesion / (self.width * float(np.logaddexp(0, 1 / self.ramp)))
 
+    def _past(self, gap):
+        """(u − h)/w."""
+        return (np.asarray(gap) - self.length) / self.width
+
     def _held(self, gap):
         """1/(1 + e^((u−h)/w)), to the last digit far out too, where a core still compares with it."""
-        return np.exp(-np.logaddexp(0, (np.asarray(gap) - self.length) / self.width))
+        return np.exp(-np.logaddexp(0, self._past(gap)))
 
     def potential(self, gap):
-        x = (np.asarray(gap) - self.length) / self.width
+        x = self._past(gap)
         # ln(1 + e^−x), for complex gaps too, without overflow.
         rest = np.log1p(np.exp(np.where(np.real(x) > 0, -x, x)))
         return -self.plateau * self.width * (rest + np.where(np.real(x) > 0, 0, -x))

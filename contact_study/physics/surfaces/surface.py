@@ -1,6 +1,7 @@
 """The rigid surface of a case: one height function, which each model samples on its own points, and its scales."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,8 +14,12 @@ from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.height_maps import preparation
 from contact_study.physics.height_maps.height_map import HeightMap
-from contact_study.physics.roughness import spectrum as spectra
-from contact_study.physics.roughness.spectrum import RadialSpectrum, RoughnessSpectrum, SelfAffineSpectrum
+from contact_study.physics.roughness.spectrum import (
+    RadialSpectrum,
+    RoughnessSpectrum,
+    SelfAffineSpectrum,
+    radial_spectrum,
+)
 from contact_study.physics.roughness.statistics import Roughness, roughness_of, roughness_of_sample
 from contact_study.physics.solids import Elasticity
 
@@ -63,7 +68,7 @@ class Surface(ABC):
 
     def measured_spectrum(self) -> RadialSpectrum:
         """Radial spectrum of this very surface."""
-        return spectra.radial_spectrum(self.sampled, self.grid)
+        return radial_spectrum(self.sampled, self.grid)
 
 
 @dataclass(frozen=True)
@@ -267,7 +272,7 @@ def prepared_map(path: Path, whole: HeightMap, keys: Any) -> MeasuredMap:
     return MeasuredMap(heights, grid, found.unit, roughness)
 
 
-def _cropped(path: Path, found: HeightMap, crop: Any) -> HeightMap:
+def _cropped(path: Path, found: HeightMap, crop: Sequence[tuple[float, float]]) -> HeightMap:
     grid, parts, size = found.grid, [], []
     for axis, (low, high), count, step in zip("yx", crop, grid.shape, grid.spacing, strict=True):
         # A point on a limit is meant, whatever the rounding of its unit.
