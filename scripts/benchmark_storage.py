@@ -21,7 +21,7 @@ import tomli_w
 from contact_study.campaign.dataset.file import DatasetReader, StoredCase
 from contact_study.campaign.store.case_file import CaseWriter
 from contact_study.results.state import Step
-from contact_study.study.study import Study, bins_of, make_study, read_study
+from contact_study.study.study import Study, make_study, read_study
 from scripts.harness import RUN, STUDY, Option, children_time, processor_time, program
 
 RATIOS, PRESSURES = (1, 4, 8), np.geomspace(1e8, 1e10, 60)
@@ -61,7 +61,7 @@ def run_theory(study: Study, folder: Path, workers: int, flows: str) -> tuple[fl
 
 def write_and_read(study: Study, dataset: Path, path: Path) -> tuple[float, float, int]:
     """Processor time to write all steps of a dataset, and to read them (s), and their number."""
-    bins = bins_of(study)
+    bins = study.bins
     with DatasetReader(dataset, study) as earlier:
         cases = [(StoredCase(earlier, i, bins), len(case.path)) for i, case in enumerate(study.cases)]
         values = [case.step(number)[0] for case, steps in cases for number in range(steps)]

@@ -34,8 +34,9 @@ PACKAGES = {
     "bem_adhesion": "tests/bem_adhesion",
     "md_reference": "tests/md_reference",
     "contact_study/study": "tests/study",
-    "contact_study/physics": "tests/study tests/numerics",
+    "contact_study/physics": "tests/study tests/numerics tests/bem_adhesion",
     "contact_study/numerics": "tests/numerics",
+    "contact_study/results": "tests/results",
 }
 # Tests of a module, the quickest to fail first, "" for the whole package; by default its own file, then the package.
 TESTS = {
@@ -56,6 +57,7 @@ TESTS = {
     "bem_adhesion/adhesive/multigrid.py": "test_loading.py ",
     "bem_adhesion/kernels/law.py": "test_kernels.py ",
     "md_reference/statics/atomwise.py": "test_linear.py ",
+    "contact_study/physics/process_zone.py": "test_automatic.py test_studies.py",
     "contact_study/physics/height_maps/preparation.py": "test_map_preparation.py ",
     "contact_study/physics/height_maps/height_map.py": "test_surface.py test_map_files.py",
     "contact_study/physics/height_maps/text.py": "test_map_files.py ",

@@ -17,8 +17,7 @@ from types import ModuleType
 
 from contact_study.report.align import regime
 from contact_study.report.align.regime import MEANINGS
-from contact_study.results import schema
-from contact_study.results.observables import OBSERVABLES
+from contact_study.results import observables, schema
 from contact_study.results.schema import CONSTANTS, COORDINATES, OF_A_MEAN, VARIABLES
 from contact_study.study.schema.dotted_keys import SECTIONS, all_keys
 from contact_study.study.schema.keys import TaggedUnion, as_written, keys_of
@@ -115,12 +114,8 @@ def _known(name: str) -> tuple[str, str, str]:
         declaration = next(known for own, other, known, _ in all_keys() if (own, other) == (section, key))
         kinds = {"number": "1", "integer": "1"}
         return kinds.get(declaration.kind, declaration.kind), declaration.description, _file(_home(section, key))
-    for observable in OBSERVABLES:
-        if name in observable.variables:
-            known = observable.variables[name]
-            return known.units, known.long_name, _file(sys.modules[observable.read.__module__])
     known = {**VARIABLES, **COORDINATES}[name]
-    return known.units, known.long_name, _file(schema)
+    return known.units, known.long_name, _file(observables if name in observables.ENTRIES else schema)
 
 
 def _home(section: str, key: str) -> ModuleType:
@@ -141,7 +136,7 @@ def _file(module: ModuleType) -> str:
 # Rooms of the code by the subject of their messages.
 ROOMS = {
     "Study files and keys": ("contact_study/study", "contact_study/inputs"),
-    "Height maps, laws and solids": ("contact_study/physics",),
+    "Height maps, laws and solids": ("contact_study/physics", "contact_study/numerics"),
     "Running, resuming and merging": ("contact_study/campaign", "contact_study/results", "contact_study/command_line"),
     "Comparing and drawing": ("contact_study/report", "contact_study/plots"),
     "Boundary elements": ("bem_adhesion",),
@@ -161,11 +156,18 @@ def _messages() -> Iterable[str]:
 def _raised(tree: ast.Module) -> Iterable[str]:
     """Texts of the errors that a user meets, with … where a value stands; those of a single word are left out."""
     for node in ast.walk(tree):
-        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and node.exc.args:
-            named = ast.unparse(node.exc.func)
-            text = re.sub("…(?:…| …)*", "…", _written(node.exc.args[0])).replace("\n", " ").replace("`", "'")
-            if named in ("InputError", "CampaignError", "ValueError") and len(re.findall(r"[a-z]{2,}", text)) > 2:
-                yield text.strip()
+        call = node.exc if isinstance(node, ast.Raise) else node
+        named = ast.unparse(call.func) if isinstance(call, ast.Call) and call.args else ""
+        if named not in ("InputError", "CampaignError", "ValueError", "MapError") or call is node:
+            reasons = call.args[0].keys if named == "refuse" and isinstance(call.args[0], ast.Dict) else []
+        else:
+            reasons = [call.args[0]]
+        for reason in filter(None, reasons):
+            text = re.sub("…(?:…| …)*", "…", _written(reason)).replace("\n", " ").replace("`", "'").strip()
+            if named == "MapError":  # a fault of a file, named by the reader of maps
+                text = f"surface.path: {text.format(path='…')}" if "{path}" in text else f"surface.path: … {text}"
+            if len(re.findall(r"[a-z]{2,}", text)) > 2:
+                yield text
 
 
 def _written(node: ast.expr) -> str:

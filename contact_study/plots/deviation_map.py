@@ -6,12 +6,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.plots.selection import UNLOADING, lines, require
-from contact_study.plots.style import DOUBLE, axes_of, length_unit, picture, pressure_unit
+from contact_study.plots.style import DOUBLE, axes_of, largest, length_unit, picture, pressure_unit
 
 _DARK = 0.55  # of the colours' range, from which white letters read better
 
 
-@picture('Group ``deviations`` of a comparison: ``xarray.open_dataset("comparison.nc", group="deviations")``.')
+@picture(
+    "Group ``deviations`` of a comparison.",
+    'xr.open_dataset("comparison.nc", group="deviations"), "continuum - atomistic"',
+)
 def deviations(
     dataset: xr.Dataset, pair: str, quantity: str = "relative_contact_area", axes: Axes | None = None
 ) -> Axes:
@@ -30,14 +33,15 @@ def deviations(
     if pair not in pairs:
         raise ValueError(f"pair = {pair!r}: the dataset has {', '.join(pairs)}")
     chosen = dataset.sel(pair=pair)
-    what, unit_of = ("pressure", pressure_unit) if "applied_pressure" in chosen else ("gap", length_unit)
+    what = next(what for what in ("pressure", "gap", "approach") if f"applied_{what}" in chosen.coords)
+    unit_of = pressure_unit if what == "pressure" else length_unit
     rows = []
     for words, part in lines(chosen, name, "step"):  # another case may have other points of the path
         own = zip(*(part[each].values for each in ("branch", f"applied_{what}", name)), strict=True)
         rows.append((words, {(int(side), float(at)): 100 * float(value) for side, at, value in own if np.isfinite(at)}))
     points = sorted({point for _, row in rows for point in row})
     values = np.array([[row.get(point, np.nan) for point in points] for _, row in rows])
-    limit = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
+    limit = largest(values) or 1.0
     axes = axes_of(axes, DOUBLE, 0.9 + 0.35 * len(rows))
     colours = matplotlib.colormaps["RdBu_r"].with_extremes(bad="#eeeeee")
     image = axes.imshow(np.ma.masked_invalid(values), cmap=colours, vmin=-limit, vmax=limit, aspect="auto")

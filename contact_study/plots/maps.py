@@ -20,7 +20,7 @@ _SUBSTRATE, _BLOCK = "#b0b0b0", "#d9e6f2"
 _WIDTH = 40  # lattice constants of a row of atoms that are shown
 _DIAMETER = 0.9  # of a circle over the distance of neighbours
 _LATERAL = ("lateral_displacement_x", "lateral_displacement_y")
-NEEDED = ("normal_stress", "atom_height", *_LATERAL, "substrate_height", "site_x", "site_y")
+ATOMS_NEED = ("normal_stress", "atom_height", *_LATERAL, "substrate_height", "site_x", "site_y")
 
 _STATE = "One state of a simulation with its fields, such as ``dataset.sel(step=3)``."
 
@@ -171,7 +171,7 @@ def atoms(dataset: xr.Dataset, centre: tuple[float, float] | None = None, axes: 
     centre : pair of float, optional
         Where to look, y and x (m), in the nearest row; by default at the atom under the largest tension.
     """
-    state = one_state(dataset, *NEEDED)
+    state = one_state(dataset, *ATOMS_NEED)
     stress, (period_y, period) = state["normal_stress"].values, extent(state)
     spacing = float(state["x"].values[1] - state["x"].values[0])
     if centre is None:

@@ -7,6 +7,7 @@ distinguishes the models, too.
 import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import matplotlib
@@ -15,7 +16,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
@@ -23,7 +23,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
 from contact_study import plots
-from contact_study.plots.paths import ERROR, Curve, Look, draw_path, error_band
+from contact_study.plots.paths import ERROR, Curve, Look, draw_path, draw_strip, error_band
 from contact_study.plots.selection import extent
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, SINGLE, STYLE, plain_decades, styled
 
@@ -71,6 +71,11 @@ class Panel:
     densities: bool = False  # whether it is of distributions; else of curves along the path
     upright: bool = False  # whether pressures are along y
     colours: tuple[str, ...] = COLOURS
+
+    @cached_property
+    def palette(self) -> list[Any]:
+        """Colours of the points of the sweep."""
+        return palette(self.colours, [*self.curves, *self.strips])
 
 
 @styled
@@ -192,7 +197,7 @@ def panel_heading(axes: Axes, letter: str, state: str = "") -> None:
 
 
 def saved(figure: Figure, kind: str, name: str = "contact") -> bytes:
-    """The figure as a png, pdf or svg, in which text stays text, or for a page.
+    """The figure as "png", "pdf" or "svg", of which the last two keep text as text, or for a "page".
 
     That is an SVG element whose identifiers begin with a name, and that takes ink and ground from the page around it.
     """
@@ -232,7 +237,7 @@ def palette(colours: tuple[str, ...], curves: Sequence[Curve]) -> list[Any]:
 def _colour(panel: Panel, drawn: Curve | Band) -> Any:
     """The colour of a curve or band: that of its point of the sweep, or with a single point of its model."""
     swept = panel.densities or any(curve.label for curve in panel.curves)
-    return palette(panel.colours, [*panel.curves, *panel.strips])[drawn.colour] if swept else drawn.look.colour
+    return panel.palette[drawn.colour] if swept else drawn.look.colour
 
 
 def _draw_paths(axes: Axes, panel: Panel) -> None:
@@ -241,8 +246,7 @@ def _draw_paths(axes: Axes, panel: Panel) -> None:
         shown = band.along > (-np.inf if panel.scale == "linear" else 0)
         shade(band.along[shown], band.low[shown], band.high[shown], color=_colour(panel, band), alpha=BAND, lw=0)
     for curve in panel.strips:
-        look: dict[str, Any] = {"facecolors": [_colour(panel, curve)], "alpha": STRIP, "linewidths": 0, "zorder": 0.5}
-        axes.add_collection(PolyCollection(list(error_band(curve)), **look))
+        draw_strip(axes, error_band(curve), _colour(panel, curve), STRIP, 0.5)
     for curve in panel.curves:
         draw_path(axes, _shown(curve, panel.scale), curve.look, _colour(panel, curve))
     low, high = _window(panel)

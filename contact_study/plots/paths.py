@@ -85,12 +85,17 @@ def error_band(curve: Curve) -> np.ndarray:
     return found[np.isfinite(found).all(axis=(1, 2))]
 
 
+def draw_strip(axes: Axes, strip: np.ndarray, colour: Any, opacity: float, order: float) -> None:
+    """Shade what :func:`error_band` gives."""
+    axes.add_collection(PolyCollection(list(strip), facecolors=[colour], alpha=opacity, linewidths=0, zorder=order))
+
+
 def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = "") -> None:
     """Draw the states along a path: unloading in hollow triangles on a fainter line, crosses where not converged."""
     order = 2 if look.behind else 3
     segments, back, joined = path_segments(curve)
     if look.line != "none" and len(strip := error_band(curve)):
-        axes.add_collection(PolyCollection(list(strip), facecolors=[colour], alpha=ERROR, linewidths=0, zorder=1))
+        draw_strip(axes, strip, colour, ERROR, 1)
         if joined[curve.fits].all():
             curve = replace(curve, x_error=None, y_error=None)
     for side, alpha in ((~back, 1.0), (back, 0.5)):

@@ -64,17 +64,18 @@ Examples
 --------
 >>> import xarray as xr
 >>> from contact_study import plots
->>> plots.{name}(xr.open_dataset("bem.nc"))  # doctest: +SKIP
+>>> plots.{name}({example})  # doctest: +SKIP
 """
 
 
-def picture(dataset: str) -> Callable[[Draw], Draw]:
+def picture(dataset: str, example: str = 'xr.open_dataset("bem.nc")') -> Callable[[Draw], Draw]:
     """Style a picture, and complete its docstring, which has its own parameters only, with what dataset it takes."""
 
     def made(draw: Draw) -> Draw:
         summary, _, own = cleandoc(draw.__doc__ or "").partition("Parameters\n----------\n")
         own = f"{own}\n" if own else ""
-        draw.__doc__ = summary.rstrip() + "\n" + _DOCUMENTATION.format(dataset=dataset, own=own, name=draw.__name__)
+        known = {"dataset": dataset, "own": own, "name": draw.__name__, "example": example}
+        draw.__doc__ = summary.rstrip() + "\n" + _DOCUMENTATION.format(**known)
         return styled(draw)
 
     return made

@@ -1,6 +1,6 @@
 """The report's tables: all numbers, agreement, changes along the sweep, loops; regime, material, effort."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,7 +8,17 @@ import xarray as xr
 
 from contact_study.plots.style import Unit, length_unit, pressure_unit
 from contact_study.report.align import cases
-from contact_study.report.align.cases import Scales, case_points, mean_unit, parts_of, scales, series, sweep_points
+from contact_study.report.align.cases import (
+    Models,
+    Scales,
+    SweepPoint,
+    case_points,
+    mean_unit,
+    parts_of,
+    scales,
+    series,
+    sweep_points,
+)
 from contact_study.report.align.deviations import split_pair
 from contact_study.report.facts.overview import Difference, Loop, effort
 from contact_study.report.facts.ranking import AREA, GAP, Ranking
@@ -36,8 +46,6 @@ _WORK = {
     "iterations": "iterations",
     "wall_time": "time of all steps (s)",
 }
-
-Models = Mapping[str, xr.Dataset]
 
 
 @dataclass(frozen=True)
@@ -117,6 +125,7 @@ def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
         parts = {name: part for name, dataset in models.items() if (part := cases.select(dataset, point)) is not None}
         found = {name: {own: series(part, own) for own in shown if own in part} for name, part in parts.items()}
         paths = {name: case_points(part) for name, part in parts.items()}
+        compared = {} if deviations is None else _deviations_of(deviations, parts, reference, point)
         for named in dict.fromkeys(one for path in paths.values() for one in path if one is not None):
             for name in (name for name in parts if named in paths[name]):
                 step = paths[name].index(named)
@@ -128,12 +137,25 @@ def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
                 area = found[name]["relative_contact_area"]
                 row += [Cell(str(int(area.samples[step])), float(area.samples[step]))] if ensemble else []
                 if deviations is not None:
-                    own_pair = deviations.isel(pair=deviations["pair"].values == f"{name} - {reference}")
-                    here = cases.state_at(own_pair.squeeze("pair"), point, named) if own_pair.sizes["pair"] else None
+                    pair, path = compared.get(name, (deviations, []))
+                    here = pair.isel(step=path.index(named)) if named in path else None
                     row += [_EMPTY, _EMPTY] if here is None else _deviation_cells(here, scale, gaps)
                 row.append(Cell(_state(parts[name].isel(step=step), bool(area.fit[step]))))
                 table.rows.append(row)
     return table
+
+
+def _deviations_of(
+    deviations: xr.Dataset, models: Iterable[str], reference: str, point: SweepPoint
+) -> dict[str, tuple[xr.Dataset, list[PathPoint | None]]]:
+    """Deviations of models from the reference at one point of the sweep, with the names of the path's points."""
+    found = {}
+    for name in models:
+        pair = deviations.isel(pair=deviations["pair"].values == f"{name} - {reference}")
+        part = cases.select(pair.squeeze("pair"), point) if pair.sizes["pair"] else None
+        if part is not None:
+            found[name] = part, case_points(part)
+    return found
 
 
 def _raw(value: object) -> float | str:

@@ -129,8 +129,10 @@ class Variable:
 
     @property
     def encoding(self) -> dict[str, Any]:
-        if self.kind in ("text", "flag"):  # flags are integers for the reader too; "absent" is one of their values
-            return {} if self.kind == "text" else {"_FillValue": None}
+        if self.kind == "text":
+            return {}
+        if self.kind == "flag":  # integers for the reader too; "absent" is one of the flag's values
+            return {"_FillValue": None}
         compressed = {"zlib": True, "complevel": 1, "shuffle": True} if len(self.dims) > 1 else {}
         return {"_FillValue": self.empty, **compressed}
 

@@ -11,7 +11,7 @@ from scipy import constants
 import contact_study
 from contact_study import plots
 from contact_study.campaign.dataset.export import to_vtk, to_xyz
-from contact_study.plots.maps import NEEDED
+from contact_study.plots.maps import ATOMS_NEED
 from contact_study.report.align.states import read_atoms
 from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.read.datasets import read_inputs
@@ -133,7 +133,7 @@ def test_comparison_reads_the_atoms_of_its_state(dataset, tmp_path):
     inputs = read_inputs([source])
     held, torn = (panel_points(inputs.models, pressure) for pressure in (0.5e9, -3.5e9))
     found = read_atoms(inputs, held.case, held.common, None)
-    for name in NEEDED:
+    for name in ATOMS_NEED:
         np.testing.assert_array_equal(found[name], dataset[name].isel(step=1, missing_dims="ignore"))
     assert read_atoms(inputs, torn.case, torn.common, None) is None  # torn off
     assert contact_compare([str(source), "-o", str(tmp_path / "out.nc"), "--figures", str(tmp_path)]) == 0

@@ -71,10 +71,14 @@ class WorkDirectory:
             )
         claimed = self._claimed()
         if claimed.get(_STORAGE) != _STORAGE_VERSION:
-            fault = "has lost the record of its run (manifest.json);"
             if any(self.folder.glob("case-*")):
-                fault = "holds steps in the format of an earlier version; finish them with that version, or"
-            raise InputError(f"{self.folder}: {fault} drop them with --overwrite")
+                raise InputError(
+                    f"{self.folder}: holds steps in the format of an earlier version; finish them with that version, "
+                    "or drop them with --overwrite"
+                )
+            raise InputError(
+                f"{self.folder}: has lost the record of its run (manifest.json); drop them with --overwrite"
+            )
         return claimed
 
     def _acquire_lock(self) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.style import Unit, length_unit, pressure_unit
+from contact_study.plots.style import Unit, largest, length_unit, pressure_unit
 from contact_study.report.models import entry_of
 from contact_study.report.read.load_steps import averaged, swept_dims
 from contact_study.report.text.wording import PRESCRIBED, coordinate_label
@@ -18,6 +18,9 @@ from contact_study.results.state import usable
 from contact_study.study.case import PathPoint, path_points
 
 _AREA = "relative_contact_area"
+
+Models = Mapping[str, xr.Dataset]
+"""Datasets by the names of their models."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class SweepPoint:
     colour: int = 0  # number of its colour
 
 
-def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:
+def sweep_points(models: Models) -> list[SweepPoint]:
     """Points of the sweep that some model has, in their order."""
     lead = max(models.values(), key=lambda dataset: len(swept_dims(dataset)))
     dims = [dim for dim in swept_dims(lead) if dim != averaged(lead)]
@@ -54,9 +57,7 @@ def select(dataset: xr.Dataset, point: SweepPoint) -> xr.Dataset | None:
     return dataset.sel(chosen)
 
 
-def parts_of(
-    models: Mapping[str, xr.Dataset], points: list[SweepPoint] | None = None
-) -> Iterator[tuple[SweepPoint, str, xr.Dataset]]:
+def parts_of(models: Models, points: list[SweepPoint] | None = None) -> Iterator[tuple[SweepPoint, str, xr.Dataset]]:
     """Part of each model at each point of the sweep, theirs unless others are given."""
     for point in points or sweep_points(models):
         for model, dataset in models.items():
@@ -137,7 +138,7 @@ def constant(part: xr.Dataset, name: str) -> float:
     return float("nan") if own is None else float(part[own].mean())
 
 
-def first_constant(models: Mapping[str, xr.Dataset], point: SweepPoint, name: str) -> float:
+def first_constant(models: Models, point: SweepPoint, name: str) -> float:
     """A number from the first model that has it; what was given comes before what a model measured on itself."""
     for model in sorted(models, key=lambda model: entry_of(model).measured):
         part = select(models[model], point)
@@ -160,15 +161,14 @@ class Scales:
         return "h_rms" if self.rough else "nm"
 
 
-def scales(models: Mapping[str, xr.Dataset], point: SweepPoint) -> Scales:
+def scales(models: Models, point: SweepPoint) -> Scales:
     """E* and h_rms of a point of the sweep, as the continuum was given them."""
     rms_height = first_constant(models, point, "rms_height")
     rough = bool(np.isfinite(rms_height) and rms_height > 0)
     return Scales(first_constant(models, point, "contact_modulus"), rms_height if rough else 1e-9, rough)
 
 
-def mean_unit(models: Mapping[str, xr.Dataset], name: str) -> Unit:
+def mean_unit(models: Models, name: str) -> Unit:
     """The unit of mean pressures, or of mean gaps."""
-    values = np.concatenate([np.empty(0), *(d[name].values.ravel() for d in models.values() if name in d)])
-    largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
-    return pressure_unit(largest) if name == "mean_pressure" else length_unit(largest)
+    most = max((largest(dataset[name]) for dataset in models.values() if name in dataset), default=0.0)
+    return pressure_unit(most) if name == "mean_pressure" else length_unit(most)

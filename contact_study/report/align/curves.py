@@ -9,7 +9,16 @@ import xarray as xr
 from contact_study.plots.panels import Band
 from contact_study.plots.paths import Curve
 from contact_study.report.align import cases
-from contact_study.report.align.cases import Scales, SweepPoint, case_points, scales, select, series, sweep_points
+from contact_study.report.align.cases import (
+    Models,
+    Scales,
+    SweepPoint,
+    case_points,
+    scales,
+    select,
+    series,
+    sweep_points,
+)
 from contact_study.report.align.deviations import standard_error
 from contact_study.report.models import entry_of, look_of
 from contact_study.report.read.datasets import Scatter
@@ -18,8 +27,6 @@ from contact_study.results.state import usable
 from contact_study.study.case import PathPoint
 
 _VISIBLE = 2e-3  # of a quantity: a dot of the figures
-
-Models = Mapping[str, xr.Dataset]
 
 
 @dataclass(frozen=True)
@@ -52,11 +59,11 @@ def gap_axis(models: Models, reduced: bool) -> Axis:
 
 def path_curves(models: Models, across: Axis, up: Axis) -> list[Curve]:
     """One curve for each model and point of the sweep; means over the samples with their standard errors."""
-    curves = []
+    curves, known = [], {point.label: scales(models, point) for point in sweep_points(models)}
     for point, model, part in cases.parts_of(models):
         if any(axis.name not in part for axis in (across, up)):
             continue
-        scale = scales(models, point)
+        scale = known[point.label]
         part = _with_resolved_pressure(part, scale.contact_modulus)
         found = [series(part, axis.name) for axis in (across, up)]
         sizes = [axis.unit(scale) for axis in (across, up)]

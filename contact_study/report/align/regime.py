@@ -1,6 +1,5 @@
 """Regime numbers of a contact, from its roughness, its modulus and its adhesion."""
 
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,7 @@ from contact_study.report.align.cases import SweepPoint, constant, first_constan
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.read.load_steps import averaged
-from contact_study.study.case import realise
+from contact_study.study.case import Case, realise
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ def compute_regime(inputs: Inputs) -> xr.Dataset:
     (Persson and Tosatti, J. Chem. Phys. 115, 5597 (2001)).
     """
     models, points = inputs.models, sweep_points(inputs.models)
-    numbers = [_regime(inputs, point, _roughness_of(inputs, point)) for point in points]
+    numbers = [_regime(inputs, point) for point in points]
     axes = {dim: list(dict.fromkeys(point.selection[dim] for point in points)) for dim in points[0].selection}
     attrs = {d: next(dataset[d].attrs for dataset in models.values() if d in dataset.dims) for d in axes}
     averages = [averaged(dataset) for dataset in models.values() if dataset.sizes.get(averaged(dataset), 1) > 1]
@@ -90,8 +89,9 @@ MEANINGS = {
 _OF_THE_SURFACE = set(MEANINGS) - {"process_zone", "pixel_over_process_zone"}
 
 
-def _regime(inputs: Inputs, point: SweepPoint, surface: Roughness | None) -> dict[str, float]:
+def _regime(inputs: Inputs, point: SweepPoint) -> dict[str, float]:
     models, case = inputs.models, next(iter(inputs.cases_at(point.selection)), None)
+    surface = _roughness_of(inputs, point, case)
     modulus, work, peak = (
         first_constant(models, point, name) for name in ("contact_modulus", "work_of_adhesion", "peak_tensile_stress")
     )
@@ -118,16 +118,18 @@ def _regime(inputs: Inputs, point: SweepPoint, surface: Roughness | None) -> dic
     }
 
 
-def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
+def _roughness_of(inputs: Inputs, point: SweepPoint, case: Case | None) -> Roughness | None:
     """Moments of the surface of a point of the sweep, of its first seed.
 
     None for what is no periodic roughness, and for a point that only the sweeps together would hold.
     """
-    case = next(iter(inputs.cases_at(point.selection)), None)
     if case is None or not case.surface.periodic:
         return None
-    with suppress(InputError):  # the height map is missing
+    try:
         surface = realise(case)
+    except InputError:  # the height map is missing
+        surface = None
+    if surface is not None:
         return roughness(surface.sampled, surface.size, case.solid)
     for part in (select(dataset, point) for dataset in inputs.models.values()):
         if part is not None and "height" in part and part["height"].ndim == 2:

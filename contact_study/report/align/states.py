@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.maps import NEEDED
+from contact_study.plots.maps import ATOMS_NEED
 from contact_study.report.align.cases import SweepPoint, case_points, select, state_at, sweep_points
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
@@ -39,9 +39,9 @@ def read_interface(inputs: Inputs, point: SweepPoint, named: PathPoint, sample: 
 def read_atoms(inputs: Inputs, point: SweepPoint, named: PathPoint, sample: Any) -> xr.Dataset | None:
     """The atoms of one state; None unless a simulation kept them and is in contact there."""
     for name in inputs.simulations:
-        state = _with_fields(inputs, name, point, named, sample, NEEDED)
-        if state is not None and all(need in state for need in NEEDED) and np.any(state["normal_stress"]):
-            return state[list(NEEDED)]
+        state = _with_fields(inputs, name, point, named, sample, ATOMS_NEED)
+        if state is not None and all(need in state for need in ATOMS_NEED) and np.any(state["normal_stress"]):
+            return state[list(ATOMS_NEED)]
     return None
 
 

@@ -1,16 +1,17 @@
 """The first screen of a report as facts, and what happens along the paths and along the sweep."""
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 import xarray as xr
 
+from contact_study.physics.process_zone import resolving_shape
 from contact_study.plots.curves import dissipated_energy
 from contact_study.plots.selection import UNLOADING
 from contact_study.report.align.cases import (
+    Models,
     SweepPoint,
     case_points,
     constant,
@@ -28,10 +29,7 @@ from contact_study.report.read.load_steps import swept_dims
 from contact_study.results.schema import RESOLUTION_ERROR
 from contact_study.results.state import usable
 
-_POINTS = 4  # of a grid that resolves a process zone
 _NOISE = 1e-6  # of the work of adhesion: an energy that is the solver's tolerance
-
-Models = Mapping[str, xr.Dataset]
 
 
 def lead_model(inputs: Inputs) -> str:
@@ -139,7 +137,7 @@ def grid_check(inputs: Inputs, regime: xr.Dataset) -> GridCheck | None:
         if np.isfinite(ratio):
             ratios[point.label] = ratio
             y, x = (first_constant(inputs.models, point, f"surface_size_{axis}") for axis in ("y", "x"))
-            shapes.append((_points(y / zone), _points(x / zone)))
+            shapes.append(resolving_shape((y, x), zone) if np.isfinite(y * x) else (0, 0))
     coarse = {label: ratio for label, ratio in ratios.items() if ratio >= TRAPPING}
     edge = np.nan
     if not ratios and "corrected_contact_area" in own:
@@ -147,13 +145,6 @@ def grid_check(inputs: Inputs, regime: xr.Dataset) -> GridCheck | None:
         edge = float(np.abs(own["corrected_contact_area"] / counted - 1).max())
     y, x = map(max, zip(*shapes, strict=True))
     return GridCheck(coarse, len(ratios), max(ratios.values(), default=np.nan), (y, x), edge)
-
-
-def _points(zones: float) -> int:
-    """Points along a side of so many process zones: even, with small prime factors."""
-    from scipy.fft import next_fast_len  # slow to import
-
-    return 2 * int(next_fast_len(math.ceil(_POINTS * zones / 2), real=True)) if np.isfinite(zones) else 0
 
 
 def overall(regime: xr.Dataset, name: str) -> list[float]:
@@ -168,8 +159,8 @@ class Loop:
 
     model: str
     at: SweepPoint
-    pull_off: float  # lowest mean pressure in contact, and the pressure that the contact no longer carried (Pa)
-    below: float
+    pull_off: float  # lowest mean pressure in contact (Pa)
+    below: float  # the pressure that the contact no longer carried (Pa)
     force: float  # pull-off force on the cell (N)
     lowest: float  # lowest mean pressure of the path in contact (Pa), below which a pull-off that was not reached lies
     jump_in: float  # mean pressure before the first jump into contact (Pa)
@@ -232,7 +223,7 @@ class Difference:
     states: int  # averaged over
     samples: int  # paired
     area: tuple[float, float]  # change of A/A₀ with its standard error over samples, NaN for none
-    gap: tuple[float, float]  # change of the mean gap (m)
+    gap: tuple[float, float]  # change of the mean gap with its standard error (m), NaN for none
 
 
 def differences(models: Models) -> list[Difference]:

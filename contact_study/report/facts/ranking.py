@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import stdtrit
 
+from contact_study.physics.process_zone import POINTS_PER_PROCESS_ZONE
 from contact_study.report.align.cases import SweepPoint, control_of, parts_of, scales, select, series, sweep_points
 from contact_study.report.align.deviations import COMPARED, compute_deviations, split_pair
 from contact_study.report.models import TARGET, entry_of, kind_of, spectrum_of
@@ -20,13 +21,13 @@ from contact_study.report.read.load_steps import averaged, on_common_path, swept
 from contact_study.report.text.rendering import paragraphs
 from contact_study.results.state import usable
 
-_AREA = "relative_contact_area"
-AREA, GAP = "relative_contact_area_relative_deviation", "mean_gap_deviation"
+QUANTITY = "relative_contact_area"
+AREA, GAP = f"{QUANTITY}_relative_deviation", "mean_gap_deviation"
 
 CONFIDENCE = 0.95
 """Of a paired difference between two models, by Student's distribution over the surfaces."""
 
-TRAPPING = 0.25
+TRAPPING = 1 / POINTS_PER_PROCESS_ZONE
 """Grid spacing over process zone from which a grid may trap contact edges (docs/contact_challenge.md)."""
 
 NEARER, EQUAL, DIVIDED = "nearer", "not distinguishable", "divided"
@@ -206,7 +207,7 @@ def find(
         beside = len([pair for pair in pairs if split_pair(pair)[1] == split_pair(pairs[0])[1]])
     scatter = []
     for name, found in (statistics or {}).items():
-        shares = {at.label: _standard_deviation(part) / part[_AREA] for at, _, part in parts_of({name: found})}
+        shares = {at.label: _standard_deviation(part) / part[QUANTITY] for at, _, part in parts_of({name: found})}
         relative = {at: float(np.nanmean(share)) for at, share in shares.items() if np.isfinite(share).any()}
         if relative:
             within = _count_within(models[name], found) if name in models else (0, 0)
@@ -233,21 +234,21 @@ def surface_deviations(models: Mapping[str, xr.Dataset], name: str, realisations
 def relative_errors(models: Mapping[str, xr.Dataset], model: str) -> list[float]:
     """Standard error over mean of a model's contact area at every state of its path that has one."""
     parts = parts_of({model: models[model]}, sweep_points(models))
-    found = [series(part, _AREA) for _, _, part in parts]
+    found = [series(part, QUANTITY) for _, _, part in parts]
     shares = np.concatenate([np.empty(0), *(one.standard_error / one.values for one in found)])
     return list(shares[np.isfinite(shares)])
 
 
 def _standard_deviation(statistics: xr.Dataset) -> xr.DataArray:
-    return statistics[f"{_AREA}_standard_error"] * np.sqrt(statistics["samples"])
+    return statistics[f"{QUANTITY}_standard_error"] * np.sqrt(statistics["samples"])
 
 
 def _count_within(one: xr.Dataset, statistics: xr.Dataset) -> tuple[int, int]:
     """In how many of how many states one surface's area is within a standard deviation of the mean of all."""
     pair = on_common_path({"mean": statistics, "one": one}, control_of(statistics))
-    own, mean = pair["one"][_AREA].where(usable(pair["one"])), pair["mean"]
-    if own.dims != mean[_AREA].dims:
+    own, mean = pair["one"][QUANTITY].where(usable(pair["one"])), pair["mean"]
+    if own.dims != mean[QUANTITY].dims:
         return 0, 0  # several surfaces are compared
     deviation = _standard_deviation(mean)
     both = own.notnull() & deviation.notnull()
-    return int((both & (np.abs(own - mean[_AREA]) <= deviation)).sum()), int(both.sum())
+    return int((both & (np.abs(own - mean[QUANTITY]) <= deviation)).sum()), int(both.sum())

@@ -34,8 +34,10 @@ def open_groups(path: Path) -> dict[str, xr.Dataset]:
     if foreign:
         raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
     if str(attrs["schema_version"]).split(".")[0] != SCHEMA_VERSION.split(".")[0]:
-        versions = f"has schema version {attrs['schema_version']}, this program reads {SCHEMA_VERSION}"
-        raise InputError(f"{path}: {versions}; run its study again")
+        raise InputError(
+            f"{path}: has schema version {attrs['schema_version']}, this program reads {SCHEMA_VERSION}; run its study "
+            "again"
+        )
     return groups
 
 

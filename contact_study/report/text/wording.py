@@ -8,7 +8,7 @@ import xarray as xr
 
 from contact_study.inputs.units import quantity
 from contact_study.physics.laws import LAWS
-from contact_study.plots.style import Unit, length_unit, pressure_unit
+from contact_study.plots.style import Unit, largest, length_unit, pressure_unit
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -75,8 +75,8 @@ PRESCRIBED = {"pressure": "p", "gap": "ū", "approach": "δ"}
 
 def control_unit(models: Mapping[str, xr.Dataset], control: str) -> Unit:
     """The unit of what was prescribed, for a whole study."""
-    largest = max(float(np.abs(dataset[f"applied_{control}"]).max()) for dataset in models.values())
-    return pressure_unit(largest) if control == "pressure" else length_unit(largest)
+    most = max(largest(dataset[f"applied_{control}"]) for dataset in models.values())
+    return pressure_unit(most) if control == "pressure" else length_unit(most)
 
 
 def listed(words: Iterable[str], last: str = "and") -> str:
