@@ -3,6 +3,7 @@
 The Tabor parameter is μ = (R Δγ² / E*² r₀³)^(1/3); D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -38,9 +39,9 @@ def resolves(spacing: float, zone: float) -> bool:
 
 def resolving_shape(size: tuple[float, float], zone: float) -> tuple[int, int]:
     """Return points along y and x that resolve a process zone (m): even, with small prime factors."""
-    from scipy.fft import next_fast_len  # slow to import
-
-    y, x = (2 * int(next_fast_len(math.ceil(POINTS_PER_PROCESS_ZONE * side / zone / 2), real=True)) for side in size)
+    least = (math.ceil(POINTS_PER_PROCESS_ZONE * side / zone / 2) for side in size)
+    # Numbers without a prime factor but 2, 3 and 5 divide a high power of 30.
+    y, x = (2 * next(half for half in itertools.count(first) if 30**50 % half == 0) for first in least)
     return y, x
 
 

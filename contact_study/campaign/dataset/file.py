@@ -8,8 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import netCDF4
 import numpy as np
 import xarray as xr
+from xarray.backends import NetCDF4DataStore
 
 from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store.case_file import RecordFile, write_records
@@ -35,11 +37,11 @@ def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
         return
 
     def write(partial: Path) -> None:
-        for group, dataset in groups.items():
-            encoding = {str(name): _encoding(str(name), variable) for name, variable in dataset.variables.items()}
-            dataset.to_netcdf(
-                partial, mode="a" if group else "w", group=group or None, encoding=encoding, engine="netcdf4"
-            )
+        # ``to_netcdf`` would look for a Dask scheduler, and import Dask where that is installed.
+        with netCDF4.Dataset(partial, "w") as file:
+            for group, dataset in groups.items():
+                encoding = {str(name): _encoding(str(name), variable) for name, variable in dataset.variables.items()}
+                dataset.dump_to_store(NetCDF4DataStore(file, group or None, mode="a"), encoding=encoding)
 
     write_aside(path, write)
 
