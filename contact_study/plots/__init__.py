@@ -4,7 +4,6 @@ Each function draws on the axes it is given, or on those of a new figure, which 
 pyplot's state or any setting.
 """
 
-from contact_study.plots.criteria import criteria_map
 from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
 from contact_study.plots.densities import (
     area_by_magnification,
@@ -15,8 +14,8 @@ from contact_study.plots.densities import (
     stress_distribution,
     surface_spectrum,
 )
-from contact_study.plots.deviation_map import deviations
 from contact_study.plots.maps import atoms, contact_map, gap_map, height_map, pressure_map, section
+from contact_study.plots.sweep_maps import criteria_map, deviations
 
 __all__ = [
     "area_by_magnification",

@@ -7,18 +7,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from scipy.integrate import trapezoid
 
+from contact_study.plots import style
 from contact_study.plots.paths import Curve, Look, draw_path
 from contact_study.plots.selection import LOADING, UNLOADING, fit_states, lines, require, single
-from contact_study.plots.style import (
-    COLOURS,
-    Unit,
-    add_legend,
-    axes_of,
-    largest,
-    length_unit,
-    picture,
-    pressure_unit,
-)
+from contact_study.plots.style import COLOURS, Unit, axes_of, picture
 
 
 @picture("Of any model.")
@@ -53,8 +45,8 @@ def mean_gap(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear
 
 def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, symbol: str, scale: str) -> Axes:
     require(dataset, "mean_pressure", name)
-    pressure = pressure_unit(largest(dataset["mean_pressure"]))
-    unit = length_unit(largest(dataset[name])) if name == "mean_gap" else Unit("", 1.0)
+    pressure = style.pressure_unit(style.largest(dataset["mean_pressure"]))
+    unit = style.length_unit(style.largest(dataset[name])) if name == "mean_gap" else Unit("", 1.0)
     axes = axes_of(axes)
     hollow = False
     for number, (words, part) in enumerate(lines(dataset, name, "step")):
@@ -66,7 +58,7 @@ def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, symbol: s
             hollow |= bool(back[curve.finite].any())
     if hollow:
         axes.plot([], [], "v", color="#404040", mfc="white", ms=6.2, label="unloading")
-    add_legend(axes)
+    style.add_legend(axes)
     ylabel = f"{symbol} ({unit.name})" if unit.name else symbol
     axes.set(xlabel=rf"pressure $p$ ({pressure.name})", ylabel=ylabel)
     shown = dataset["mean_pressure"].values[fit_states(dataset)] / pressure.size
@@ -96,8 +88,8 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """
     prescribed, (loading, unloading), (shared, forth, back) = _loop(dataset)
     energy = float(trapezoid(forth - back, shared))
-    pressure = pressure_unit(largest(dataset["mean_pressure"]))
-    length = length_unit(largest(dataset["mean_separation"]))
+    pressure = style.pressure_unit(style.largest(dataset["mean_pressure"]))
+    length = style.length_unit(style.largest(dataset["mean_separation"]))
     axes = axes_of(axes)
     # Two equal branches differ by the tolerance of their states, of either sign.
     seen = abs(energy) > _SEEN * np.ptp(shared) * np.ptp([forth, back])

@@ -8,19 +8,9 @@ from matplotlib.colors import LogNorm
 from contact_study.inputs.units import length
 from contact_study.numerics.grid import Grid
 from contact_study.physics.roughness import statistics
+from contact_study.plots import style
 from contact_study.plots.selection import extent, lines, one_state, require, single
-from contact_study.plots.style import (
-    COLOURS,
-    Unit,
-    add_legend,
-    axes_of,
-    largest,
-    length_unit,
-    picture,
-    plain_decades,
-    pressure_unit,
-    readable_decades,
-)
+from contact_study.plots.style import COLOURS, Unit, axes_of, picture
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
 _LAW = ("fitted_hurst_exponent", "fitted_hurst_exponent_error", "fitted_roll_off", "fitted_cutoff")  # of the surface
@@ -28,8 +18,8 @@ _LEAST = 1e-8  # of the largest density: theories' tails go on for ever
 _COLOURED = 1e-4  # of the largest density, down to which colours distinguish it
 # Of a distribution: its axis' unit and symbol, and its own symbol.
 _DENSITIES = {
-    "pressure": (pressure_unit, r"stress $\sigma$", r"P(\sigma)"),
-    "gap": (length_unit, "gap $u$", "P(u)"),
+    "pressure": (style.pressure_unit, r"stress $\sigma$", r"P(\sigma)"),
+    "gap": (style.length_unit, "gap $u$", "P(u)"),
 }
 _FEW = 100.0  # magnifications up to which 2 and 5 are written beside the powers of ten
 
@@ -54,14 +44,14 @@ def _densities(dataset: xr.Dataset, of: str, axes: Axes | None) -> Axes:
     every = [(words, part[name].values) for words, part in lines(dataset.squeeze(), name, along)]
     shown = [(words, pdf) for words, pdf in every if np.nansum(pdf) > 0]  # Persson's theory has no gaps
     values = dataset[along].values
-    least = _LEAST * max((largest(pdf) for _, pdf in shown), default=0.0)
+    least = _LEAST * max((style.largest(pdf) for _, pdf in shown), default=0.0)
     present = np.any([pdf > least for _, pdf in shown], axis=0) if shown else np.zeros(values.size, bool)
-    unit = unit_of(largest(values[present]))
+    unit = unit_of(style.largest(values[present]))
     for number, (words, pdf) in enumerate(shown):
         drawn = np.where(pdf > least, pdf, np.nan) * unit.size
         axes.semilogy(values / unit.size, drawn, color=COLOURS[number % len(COLOURS)], lw=1.0, label=words or None)
     axes.set(xlabel=f"{symbol} ({unit.name})", ylabel=rf"${density}$ (1/{unit.name})")
-    add_legend(axes)
+    style.add_legend(axes)
     return axes
 
 
@@ -95,7 +85,7 @@ def draw_spectrum(spectrum: statistics.PowerSpectrum, fit: statistics.SelfAffine
         words = f"H = {fit.hurst_exponent:.2f} ± {fit.uncertainty:.2f}, down to {length(2 * np.pi / fit.cutoff)}"
         axes.loglog(q, law, color=COLOURS[1], lw=1.0, label=words)
         axes.legend()
-    readable_decades(axes.xaxis)
+    style.readable_decades(axes.xaxis)
     axes.set(xlabel=r"wavevector $q$ (m$^{-1}$)", ylabel=r"power spectrum $C(q)$ (m$^4$)")
     return axes
 
@@ -127,9 +117,9 @@ def _magnified(dataset: xr.Dataset, name: str, words: str, axes: Axes | None) ->
     require(dataset, name)
     axes = axes_of(axes)
     squeezed = dataset.squeeze()
-    most, unit = largest(squeezed[name]), Unit("", 1.0)
+    most, unit = style.largest(squeezed[name]), Unit("", 1.0)
     if name == "detachment_stress":
-        unit = pressure_unit(most)
+        unit = style.pressure_unit(most)
     elif name == "effective_work_of_adhesion":
         unit = Unit("J/m²", 1.0) if most >= 0.1 else Unit("mJ/m²", 1e-3)
     for number, (label, part) in enumerate(lines(squeezed, name, "wavevector", "wavevector_index")):
@@ -138,7 +128,7 @@ def _magnified(dataset: xr.Dataset, name: str, words: str, axes: Axes | None) ->
         axes.plot(q[there] / q[0], y[there], color=COLOURS[number % len(COLOURS)], lw=1.1, label=label or None)
     axes.set_ylabel(f"{words} ({unit.name})" if unit.name else words)
     _scale_magnification(axes)
-    add_legend(axes)
+    style.add_legend(axes)
     return axes
 
 
@@ -160,7 +150,7 @@ def stress_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Ax
         raise ValueError("the state has no stress distribution: nothing is in contact")
     shown = np.flatnonzero((density > _COLOURED * peak).any(axis=1))
     stress, density = stress[shown[0] : shown[-1] + 1], density[shown[0] : shown[-1] + 1]
-    unit = pressure_unit(largest(stress))
+    unit = style.pressure_unit(style.largest(stress))
     axes = axes_of(axes)
     middles = np.sqrt(zeta[1:] * zeta[:-1])
     edges = np.concatenate([[zeta[0] ** 2 / middles[0]], middles, [zeta[-1]]]) if zeta.size > 1 else [1.0, zeta[0]]
@@ -184,4 +174,4 @@ def _scale_magnification(axes: Axes) -> None:
     """Logarithmic, in plain numbers: one to a few thousand is what surfaces have."""
     axes.set(xscale="log", xlabel=r"magnification $\zeta$")
     low, high = axes.get_xlim()
-    plain_decades(axes.xaxis, high < _FEW * low)
+    style.plain_decades(axes.xaxis, high < _FEW * low)

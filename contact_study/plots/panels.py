@@ -316,9 +316,8 @@ def _smallest_resolved(curves: Sequence[Curve]) -> float:
 def _colour_legend(place: Axes | Figure, panel: Panel, width: float) -> None:
     """Explain the colours above a panel's heading, or above all panels; a common beginning of labels is shown once."""
     named = dict(sorted({curve.colour: curve for curve in panel.curves if curve.label}.items())).values()
-    single = len({one.label.partition(" = ")[0] for one in named}) == 1 and all(
-        one.label.count(" = ") == 1 for one in named
-    )
+    heads = {one.label.partition(" = ")[0] for one in named}
+    single = len(heads) == 1 and all(one.label.count(" = ") == 1 for one in named)
     handles: list[Artist] = []
     for one in named:
         words = one.label.partition(" = ")[2] if single and handles else one.label

@@ -15,15 +15,9 @@ from contact_study.plots.paths import Curve
 from contact_study.plots.style import COLOURS, length_unit, pressure_unit
 from contact_study.report.align import curves, states
 from contact_study.report.align.cases import Scales, scales, sweep_points
+from contact_study.report.facts import shown_states
 from contact_study.report.facts.overview import cycles
-from contact_study.report.facts.shown_states import (
-    PanelPoints,
-    captions,
-    common_label,
-    panel_points,
-    point_label,
-    state_label,
-)
+from contact_study.report.facts.shown_states import PanelPoints, common_label, panel_points, point_label, state_label
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs, Scatter
 
@@ -92,7 +86,7 @@ def draw(
         name: [saved(figure, "page", f"{name}{number}").decode() for number, figure in enumerate(own)]
         for name, own in (drawn if page else {}).items()
     }
-    return Figures(pages, captions(inputs, shown, sample, banded, scatter), files)
+    return Figures(pages, shown_states.captions(inputs, shown, sample, banded, scatter), files)
 
 
 def _areas(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:

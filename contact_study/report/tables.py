@@ -8,17 +8,7 @@ import xarray as xr
 
 from contact_study.plots.style import Unit, length_unit, pressure_unit
 from contact_study.report.align import cases
-from contact_study.report.align.cases import (
-    Models,
-    Scales,
-    SweepPoint,
-    case_points,
-    mean_unit,
-    parts_of,
-    scales,
-    series,
-    sweep_points,
-)
+from contact_study.report.align.cases import Models, Scales, SweepPoint, scales, sweep_points
 from contact_study.report.align.deviations import split_pair
 from contact_study.report.facts.overview import Difference, Loop, effort
 from contact_study.report.facts.ranking import AREA, GAP, Ranking
@@ -94,7 +84,7 @@ def plain_table(header: Sequence[str | Both], rows: Sequence[Sequence[str | Both
 def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
     """Every state of every model: means over samples with their errors, and deviations from the first reference."""
     models, control, ensemble = inputs.models, inputs.control, inputs.samples > 1
-    pressures, gaps = (mean_unit(models, name) for name in ("mean_pressure", "mean_gap"))
+    pressures, gaps = (cases.mean_unit(models, name) for name in ("mean_pressure", "mean_gap"))
     points = sweep_points(models)
     symbol, unit, height = PRESCRIBED[control], wording.control_unit(models, control), scales(models, points[0])
     modulus = "p/E*" if control == "pressure" else f"{symbol}/{height.height_symbol}"
@@ -123,8 +113,8 @@ def all_numbers(inputs: Inputs, deviations: xr.Dataset | None) -> Table:
         scale = scales(models, point)
         keys = [Cell(wording.coordinate_label(k, v, units[k]), _raw(v)) for k, v in point.selection.items()]
         parts = {name: part for name, dataset in models.items() if (part := cases.select(dataset, point)) is not None}
-        found = {name: {own: series(part, own) for own in shown if own in part} for name, part in parts.items()}
-        paths = {name: case_points(part) for name, part in parts.items()}
+        found = {name: {own: cases.series(part, own) for own in shown if own in part} for name, part in parts.items()}
+        paths = {name: cases.case_points(part) for name, part in parts.items()}
         compared = {} if deviations is None else _deviations_of(deviations, parts, reference, point)
         for named in dict.fromkeys(one for path in paths.values() for one in path if one is not None):
             for name in (name for name in parts if named in paths[name]):
@@ -154,7 +144,7 @@ def _deviations_of(
         pair = deviations.isel(pair=deviations["pair"].values == f"{name} - {reference}")
         part = cases.select(pair.squeeze("pair"), point) if pair.sizes["pair"] else None
         if part is not None:
-            found[name] = part, case_points(part)
+            found[name] = part, cases.case_points(part)
     return found
 
 
@@ -209,7 +199,7 @@ def agreement_table(inputs: Inputs, rankings: Sequence[Ranking], gaps: bool = Fa
 
     A model is a row, a point of the sweep a column.
     """
-    unit = mean_unit(inputs.models, "mean_gap")
+    unit = cases.mean_unit(inputs.models, "mean_gap")
     ranked = [{one.model: one for one in ranking.distances} for ranking in rankings]
     heads = [f"{ranking.at.label or 'all states'}{' ⚠' if ranking.trapped else ''}" for ranking in rankings]
     table = Table([Column(head) for head in ("", *heads)])
@@ -232,7 +222,7 @@ def agreement_table(inputs: Inputs, rankings: Sequence[Ranking], gaps: bool = Fa
 
 def difference_table(inputs: Inputs, found: Sequence[Difference]) -> Table:
     """Changes along the sweep, a row for each model and neighbouring points."""
-    unit, first = mean_unit(inputs.models, "mean_gap"), scales(inputs.models, sweep_points(inputs.models)[0])
+    unit, first = cases.mean_unit(inputs.models, "mean_gap"), scales(inputs.models, sweep_points(inputs.models)[0])
     rows: list[list[str | Both]] = []
     for one in found:
         words = _in_both(*one.gap, unit, scales(inputs.models, one.before)) if np.isfinite(one.gap[0]) else NOTHING
@@ -283,7 +273,7 @@ def regime_table(models: Models, regime: xr.Dataset) -> Table:
             at.label,
             *(_or_nothing(fixed, float(part[name]) / sizes.get(name, 1.0), digits) for name, _, digits in columns),
         ]
-        for at, _, part in parts_of({"": regime}, sweep_points(models))
+        for at, _, part in cases.parts_of({"": regime}, sweep_points(models))
     ]
     header = [f"{words} ({zone.name})" if name == "process_zone" else words for name, words, _ in columns]
     return plain_table(["", *header], rows)
@@ -308,7 +298,7 @@ def constants_table(models: Models) -> Table:
     }
     used = {name: column for name, column in columns.items() if any(name in dataset for dataset in models.values())}
     rows = []
-    for point, model, part in parts_of(models):
+    for point, model, part in cases.parts_of(models):
         if any(name in part for name in used):
             cells = [_or_nothing(number, cases.constant(part, name) / size, 5) for name, (_, size) in used.items()]
             rows.append([point.label, entry_of(model).label, *cells])

@@ -252,12 +252,6 @@ def variable_of(name: str) -> Variable:
     return COORDINATES[name] if name in COORDINATES else VARIABLES[name]
 
 
-def group_of(key: str) -> str:
-    """Name the group of a dataset for a quantity's key, "" for the root."""
-    labels, _ = quantity_of(key)
-    return TRAJECTORY if labels == (TRAJECTORY,) else LABELLED_GROUPS[len(labels)]
-
-
 @cache
 def quantity_of(key: str) -> tuple[tuple[str, ...], str]:
     """Split a quantity's key, ``"gap_flow/loading/mean_gap"``, into labels and name."""

@@ -62,7 +62,19 @@ class Study:
     @cached_property
     def bins(self) -> Bins:
         """The bins of all distributions, one set for all cases; InputError if a height map cannot be used."""
-        return _bins_of(self)
+        ranges = (_ranges(case, scale) for case, scale in zip(self.cases, self.scales, strict=True))
+        tension, compression, gap = (max(values) for values in zip(*ranges, strict=True))
+        output = self.cases[0].output
+        if output.pressure_range is not None:
+            pressure_edges: np.ndarray = np.linspace(*output.pressure_range, output.pressure_bins + 1)
+        else:
+            # Points out of contact carry no stress, or next to none of either sign: an edge at zero would part them at
+            # random. Zero is in the middle of a bin, one half of it on the side of tension.
+            width = (_rounded(tension) + _rounded(compression)) / output.pressure_bins
+            below = round(_rounded(tension) / width - 0.5) + 0.5
+            pressure_edges = (np.arange(output.pressure_bins + 1) - below) * width
+        gap_range = output.gap_range or (0.0, _rounded(gap))
+        return Bins(pressure_edges, np.linspace(*gap_range, output.gap_bins + 1))
 
     @property
     def toml(self) -> str:
@@ -287,22 +299,6 @@ def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> 
     if twice := [name for name in beside if name in own]:
         raise InputError(f"{section}.{twice[0]}: the object in this section has its own; leave it out")
     return {**own, **beside}
-
-
-def _bins_of(study: Study) -> Bins:
-    ranges = (_ranges(case, scale) for case, scale in zip(study.cases, study.scales, strict=True))
-    tension, compression, gap = (max(values) for values in zip(*ranges, strict=True))
-    output = study.cases[0].output
-    if output.pressure_range is not None:
-        pressure_edges: np.ndarray = np.linspace(*output.pressure_range, output.pressure_bins + 1)
-    else:
-        # Points out of contact carry no stress, or next to none of either sign: an edge at zero would part them at
-        # random. Zero is in the middle of a bin, one half of it on the side of tension.
-        width = (_rounded(tension) + _rounded(compression)) / output.pressure_bins
-        below = round(_rounded(tension) / width - 0.5) + 0.5
-        pressure_edges = (np.arange(output.pressure_bins + 1) - below) * width
-    gap_range = output.gap_range or (0.0, _rounded(gap))
-    return Bins(pressure_edges, np.linspace(*gap_range, output.gap_bins + 1))
 
 
 def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:

@@ -6,8 +6,7 @@ import pytest
 from scipy.fft import irfft2, rfft2
 
 from bem_adhesion.adhesive.contact import AdhesiveContact, reach
-from bem_adhesion.adhesive.local_newton import MOST, LocalNewton, _largest_of_tiles, find_subdomains
-from bem_adhesion.adhesive.multigrid import MultigridSolver
+from bem_adhesion.adhesive.multigrid import MOST, LocalNewton, MultigridSolver, _largest_of_tiles, find_subdomains
 from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.adhesive.options import NewtonOptions
 from bem_adhesion.contacts.rough_contact import contact_between

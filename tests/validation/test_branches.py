@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from bem_adhesion.adhesive.local_newton import LocalNewton
+from bem_adhesion.adhesive.multigrid import LocalNewton
 from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.operators import periodic
 from contact_study.physics.solids import HalfSpace

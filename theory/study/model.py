@@ -10,7 +10,6 @@ import numpy as np
 
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
-from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.results.schema import RESOLUTION_ERROR, quantity_of
 from contact_study.results.state import Step, Value
@@ -150,6 +149,7 @@ def _along(
     every: tuple[CaseTheories, ...], restart: Mapping[str, np.ndarray], start: int
 ) -> Iterator[tuple[dict[str, Any], dict[str, np.ndarray]]]:
     """Values of all theories and the restart state, at each path point from number ``start`` on."""
+    solid = every[0].case.solid
     names = ["_".join(["detachment_stress", *filter(None, [theories.other])]) for theories in every]
     begun = zip(every, names, strict=True)
     states_along = [paths.persson_path(each, restart.get(name, "adhered"), start) for each, name in begun]
@@ -167,17 +167,12 @@ def _along(
                 values |= {theories.named(name): value for name, value in path(number).items()}
             if not isinstance(stress, str):
                 kept[stress_name] = stress
-        yield _with_compression(values, every[0].case.solid), kept
-
-
-def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, Any]:
-    """The values of every theory with its mean separation, and with a layer's uniform compression in its energy."""
-    for name in [name for name in values if quantity_of(name)[1] == "mean_gap"]:
-        group = name.removesuffix("mean_gap")
-        gap, pressure, energy = (float(values[group + key]) for key in ("mean_gap", "mean_pressure", "elastic_energy"))
-        values[group + "mean_separation"] = gap - solid.compression(pressure)
-        values[group + "elastic_energy"] = energy + solid.compression_energy(pressure)
-    return values
+        # The mean separation of every theory, and a layer's uniform compression in its energy.
+        for group in [name.removesuffix("mean_gap") for name in values if quantity_of(name)[1] == "mean_gap"]:
+            pressure, energy = (float(values[group + key]) for key in ("mean_pressure", "elastic_energy"))
+            values[group + "mean_separation"] = float(values[group + "mean_gap"]) - solid.compression(pressure)
+            values[group + "elastic_energy"] = energy + solid.compression_energy(pressure)
+        yield values, kept
 
 
 def _quietly(values: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:

@@ -84,7 +84,7 @@ def assemble(
     along: dict[str, dict[str, None]] = {dim: {} for dim in LABELS}
     for key, array in arrays.items():
         labels, name = quantity_of(key)
-        group = schema.group_of(key)
+        group = TRAJECTORY if labels == (TRAJECTORY,) else schema.LABELLED_GROUPS[len(labels)]
         labels = () if group == TRAJECTORY else labels
         for dim, label in zip(LABELS, labels, strict=False):
             along[dim][label] = None

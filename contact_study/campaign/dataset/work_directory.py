@@ -15,14 +15,8 @@ import numpy as np
 import xarray as xr
 from filelock import FileLock, Timeout
 
-from contact_study.campaign.dataset.file import (
-    States,
-    attributes_of,
-    history_of,
-    states_file,
-    write_dataset,
-    write_states,
-)
+from contact_study.campaign.dataset import file
+from contact_study.campaign.dataset.file import States, attributes_of, history_of, states_file
 from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import is_dataset, is_zarr, mark_of, write_aside
@@ -126,10 +120,10 @@ class WorkDirectory:
 
     def write(self, groups: Mapping[str, xr.Dataset], states: Iterable[Mapping[str, np.ndarray]] | None) -> None:
         """Write the dataset, and the state after the last point of each case if given, inside the directory."""
-        write_dataset(self._dataset, groups)
+        file.write_dataset(self._dataset, groups)
         self._states.unlink(missing_ok=True)
         if states is not None:
-            write_states(self._states, str(groups[""].attrs["history"]), states)
+            file.write_states(self._states, str(groups[""].attrs["history"]), states)
 
     def publish(self) -> None:
         """Rename what is written to the output, and remove the directory."""

@@ -93,9 +93,8 @@ def _extent(study: "Study") -> Iterator[str]:
     swept = []
     for name, key in study.sweep.items():
         values = [f"{value:.4g}" if isinstance(value, float) else str(value) for value in key.values]
-        swept.append(
-            f"{name}: " + ", ".join(values if len(values) <= 6 else [values[0], f"{values[1]} ... {values[-1]}"])
-        )
+        shown = values if len(values) <= 6 else [values[0], f"{values[1]} ... {values[-1]}"]
+        swept.append(f"{name}: {', '.join(shown)}")
     each = f"{steps[0]} load steps" if min(steps) == max(steps) else f"{min(steps)} to {max(steps)} load steps"
     cases = f"1 case of {each}" if len(steps) == 1 else f"{len(steps)} cases of {each}, {sum(steps)} in all"
     yield f"{cases} ({'; '.join(swept)})" if swept else cases
@@ -113,9 +112,8 @@ def _expected(cases: Sequence[dict[str, float]]) -> Iterator[tuple[str, str, str
         groups: dict[str, list[float]] = {}
         lowest = [*meant.values()][-1]
         for value in sorted(case[title] for case in cases if title in case):
-            groups.setdefault(next((words for least, words in meant.items() if value >= least), lowest), []).append(
-                value
-            )
+            words = next((words for least, words in meant.items() if value >= least), lowest)
+            groups.setdefault(words, []).append(value)
         for words, values in groups.items():
             low, high = f"{values[0]:.3g}", f"{values[-1]:.3g}"
             part = "" if len(values) == len(cases) else f" ({len(values)} of {len(cases)} cases)"

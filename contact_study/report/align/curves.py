@@ -9,16 +9,7 @@ import xarray as xr
 from contact_study.plots.panels import Band
 from contact_study.plots.paths import Curve
 from contact_study.report.align import cases
-from contact_study.report.align.cases import (
-    Models,
-    Scales,
-    SweepPoint,
-    case_points,
-    scales,
-    select,
-    series,
-    sweep_points,
-)
+from contact_study.report.align.cases import Models, Scales, SweepPoint, scales, sweep_points
 from contact_study.report.align.deviations import standard_error
 from contact_study.report.models import entry_of, look_of
 from contact_study.report.read.datasets import Scatter
@@ -65,12 +56,12 @@ def path_curves(models: Models, across: Axis, up: Axis) -> list[Curve]:
             continue
         scale = known[point.label]
         part = _with_resolved_pressure(part, scale.contact_modulus)
-        found = [series(part, axis.name) for axis in (across, up)]
+        found = [cases.series(part, axis.name) for axis in (across, up)]
         sizes = [axis.unit(scale) for axis in (across, up)]
         x, y = (own.values / size for own, size in zip(found, sizes, strict=True))
         errors = [own.standard_error / size for own, size in zip(found, sizes, strict=True)]
         x_error, y_error = (error if np.isfinite(error).any() else None for error in errors)
-        back = np.array([bool(named[1]) if named else False for named in case_points(part)])
+        back = np.array([bool(named[1]) if named else False for named in cases.case_points(part)])
         drawn = entry_of(model).simulation, look_of(model, models)
         curves.append(Curve(model, point.label, point.colour, x, y, x_error, y_error, found[1].fit, back, *drawn))
     return curves
@@ -90,7 +81,9 @@ def scatter_strips(models: Models, scatter: Scatter, across: Axis, up: Axis) -> 
     """Means over the realisations, with their standard deviation in place of the error of the mean."""
     colours = {point.label: point.colour for point in sweep_points(models)}
     own = {scatter.model: scatter.dataset}
-    roots = {point.label: np.sqrt(series(part, "mean_pressure").samples) for point, _, part in cases.parts_of(own)}
+    roots = {
+        point.label: np.sqrt(cases.series(part, "mean_pressure").samples) for point, _, part in cases.parts_of(own)
+    }
     return [
         replace(
             curve,
@@ -110,7 +103,7 @@ def path_bands(
     bands = []
     for model, sides_of in branches.items():
         for point in sweep_points(models):
-            parts = [part for dataset in sides_of.values() if (part := select(dataset, point)) is not None]
+            parts = [part for dataset in sides_of.values() if (part := cases.select(dataset, point)) is not None]
             if len(parts) < 2:
                 continue
             sides = [_side(part, along, across, scales(models, point)) for part in parts]
@@ -129,7 +122,7 @@ def path_bands(
 
 def _side(part: xr.Dataset, along: Axis, across: Axis, scale: Scales) -> tuple[np.ndarray, np.ndarray]:
     """Increasing pressures of one branch, and the quantity there, in the units of the figure."""
-    own, found = series(part, along.name), series(part, across.name)
+    own, found = cases.series(part, along.name), cases.series(part, across.name)
     x, y = own.values[found.fit] / along.unit(scale), found.values[found.fit] / across.unit(scale)
     finite = np.isfinite(x) & np.isfinite(y)
     x, order = np.unique(x[finite], return_index=True)

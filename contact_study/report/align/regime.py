@@ -1,5 +1,6 @@
 """Regime numbers of a contact, from its roughness, its modulus and its adhesion."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,14 +74,8 @@ MEANINGS = {
     "tabor_parameter": ("1", "Tabor parameter at the scale of the roughness, R = 2 / rms Laplacian"),
     "process_zone": ("m", "length of the process zone of a crack, E* Δγ / σ_max²"),
     "pixel_over_process_zone": ("1", "grid spacing of the continuum over the process zone"),
-    "adhesion_over_elastic_energy": (
-        "1",
-        "θ = Δγ S / U_full, adhesion gained over elastic energy paid in full contact",
-    ),
-    "full_contact_stress_over_peak": (
-        "1",
-        "rms stress of full contact, on a half-space E* rms slope / 2, over the largest tensile stress",
-    ),
+    "adhesion_over_elastic_energy": ("1", "θ = Δγ S / U_full, adhesion gained over elastic energy of full contact"),
+    "full_contact_stress_over_peak": ("1", "rms stress of full contact over the largest tensile stress"),
     "full_contact_energy": ("J m-2", "elastic energy of full contact per nominal area"),
     "area_factor": ("1", "true over projected area of the surface"),
     "rms_slope": ("1", "root-mean-square slope of the surface"),
@@ -125,11 +120,8 @@ def _roughness_of(inputs: Inputs, point: SweepPoint, case: Case | None) -> Rough
     """
     if case is None or not case.surface.periodic:
         return None
-    try:
+    with suppress(InputError):  # the height map may be missing
         surface = realise(case)
-    except InputError:  # the height map is missing
-        surface = None
-    if surface is not None:
         return roughness(surface.sampled, surface.size, case.solid)
     for part in (select(dataset, point) for dataset in inputs.models.values()):
         if part is not None and "height" in part and part["height"].ndim == 2:

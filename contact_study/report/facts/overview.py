@@ -10,17 +10,8 @@ import xarray as xr
 from contact_study.physics.process_zone import resolving_shape
 from contact_study.plots.curves import dissipated_energy
 from contact_study.plots.selection import UNLOADING
-from contact_study.report.align.cases import (
-    Models,
-    SweepPoint,
-    case_points,
-    constant,
-    first_constant,
-    parts_of,
-    select,
-    series,
-    sweep_points,
-)
+from contact_study.report.align import cases
+from contact_study.report.align.cases import Models, SweepPoint, select, sweep_points
 from contact_study.report.align.deviations import COMPARED, split_pair
 from contact_study.report.facts.ranking import AREA, TRAPPING, Ranking, mean_and_error
 from contact_study.report.models import entry_of
@@ -50,17 +41,17 @@ class At:
 def extent(models: Models, model: str, name: str) -> tuple[At, At] | None:
     """Least and largest mean over samples of a quantity of one model; None without a state in contact."""
     found = []
-    for point, _, part in parts_of({model: models[model]}, sweep_points(models)):
+    for point, _, part in cases.parts_of({model: models[model]}, sweep_points(models)):
         if name in part:
-            own = series(part, name)
-            states = zip(case_points(part), own.values, own.fit, strict=True)
+            own = cases.series(part, name)
+            states = zip(cases.case_points(part), own.values, own.fit, strict=True)
             found += [At(float(x), point, float(at[0])) for at, x, fit in states if at and fit and np.isfinite(x)]
     return (min(found, key=lambda at: at.value), max(found, key=lambda at: at.value)) if found else None
 
 
 def constants_of(models: Models, name: str) -> list[float]:
     """Different values of a constant over the sweep, in its order."""
-    values = (first_constant(models, point, name) for point in sweep_points(models))
+    values = (cases.first_constant(models, point, name) for point in sweep_points(models))
     return list(dict.fromkeys(float(f"{value:.4g}") for value in values if np.isfinite(value)))
 
 
@@ -86,7 +77,7 @@ def agreement(inputs: Inputs, deviations: xr.Dataset | None) -> Agreement | None
     own = deviations.sel(pair=" - ".join(pair))
     values = own[f"{AREA}_mean"] if f"{AREA}_mean" in own else own[AREA].where(own["state"] == COMPARED)
     found = []
-    for point, _, part in parts_of({"": values.to_dataset(name="found")}, sweep_points(inputs.models)):
+    for point, _, part in cases.parts_of({"": values.to_dataset(name="found")}, sweep_points(inputs.models)):
         both = zip(part["found"].values.ravel(), part[f"applied_{inputs.control}"].values.ravel(), strict=True)
         found += [At(abs(float(value)), point, float(at)) for value, at in both if np.isfinite(value)]
     if not found:
@@ -132,11 +123,11 @@ def grid_check(inputs: Inputs, regime: xr.Dataset) -> GridCheck | None:
     if continuum is None:
         return None
     own, ratios, shapes = inputs.models[continuum], {}, [(0, 0)]
-    for point, _, setting in parts_of({"": regime}, sweep_points(inputs.models)):
+    for point, _, setting in cases.parts_of({"": regime}, sweep_points(inputs.models)):
         ratio, zone = float(setting["pixel_over_process_zone"]), float(setting["process_zone"])
         if np.isfinite(ratio):
             ratios[point.label] = ratio
-            y, x = (first_constant(inputs.models, point, f"surface_size_{axis}") for axis in ("y", "x"))
+            y, x = (cases.first_constant(inputs.models, point, f"surface_size_{axis}") for axis in ("y", "x"))
             shapes.append(resolving_shape((y, x), zone) if np.isfinite(y * x) else (0, 0))
     coarse = {label: ratio for label, ratio in ratios.items() if ratio >= TRAPPING}
     edge = np.nan
@@ -176,20 +167,20 @@ class Loop:
 def loops(inputs: Inputs) -> list[Loop]:
     """Loops of simulations that unload or pull where the law attracts, and pull-off of the theories beside them."""
     found = []
-    for point, model, part in parts_of(inputs.models):
+    for point, model, part in cases.parts_of(inputs.models):
         if not any(case.law.attracts for case in inputs.cases_at(point.selection)):
             continue
         pressure = part["mean_pressure"].where(usable(part))
         pulled = bool((part["branch"] == UNLOADING).any() or (pressure < 0).any())
         if "pull_off_pressure" not in part and not (pulled and entry_of(model).simulation):
             continue
-        pull_off, error = (constant(part, f"pull_off_pressure{name}") for name in ("", RESOLUTION_ERROR))
+        pull_off, error = (cases.constant(part, f"pull_off_pressure{name}") for name in ("", RESOLUTION_ERROR))
         y, x, work = (
-            first_constant(inputs.models, point, name)
+            cases.first_constant(inputs.models, point, name)
             for name in ("surface_size_y", "surface_size_x", "work_of_adhesion")
         )
-        lowest, jump_in = float(pressure.min()), constant(part, "jump_in_pressure")
-        energies = _dissipated(part, _NOISE * work), constant(part, "work_of_separation")
+        lowest, jump_in = float(pressure.min()), cases.constant(part, "jump_in_pressure")
+        energies = _dissipated(part, _NOISE * work), cases.constant(part, "work_of_separation")
         found.append(Loop(model, point, pull_off, pull_off - error, pull_off * y * x, lowest, jump_in, *energies))
     return found
 
@@ -197,7 +188,7 @@ def loops(inputs: Inputs) -> list[Loop]:
 def cycles(inputs: Inputs) -> dict[str, xr.Dataset]:
     """The cycles of the first simulation that has some, by point of the sweep, the strongest adhesion last."""
     for model in inputs.simulations:
-        parts = parts_of({model: inputs.models[model]}, sweep_points(inputs.models))
+        parts = cases.parts_of({model: inputs.models[model]}, sweep_points(inputs.models))
         first = {point.label: part.isel(dict.fromkeys(swept_dims(part), 0)) for point, _, part in parts}
         if found := {label: part for label, part in first.items() if np.isfinite(_dissipated(part))}:
             return found
@@ -254,7 +245,7 @@ def _change(one: xr.Dataset, other: xr.Dataset, name: str) -> np.ndarray:
     """Differences at the states of the path that every sample has at both points, a sample a row."""
     if name not in one:
         return np.empty((1, 0))
-    paths = [case_points(part) for part in (one, other)]
+    paths = [cases.case_points(part) for part in (one, other)]
     shared = [named for named in paths[0] if named is not None and named in paths[1]]
     rows = []
     for part, path in zip((one, other), paths, strict=True):

@@ -9,16 +9,8 @@ import numpy as np
 import xarray as xr
 
 from contact_study.plots.selection import UNLOADING
-from contact_study.report.align.cases import (
-    Scales,
-    SweepPoint,
-    case_points,
-    control_of,
-    parts_of,
-    scales,
-    strongest,
-    sweep_points,
-)
+from contact_study.report.align import cases
+from contact_study.report.align.cases import Scales, SweepPoint, scales, sweep_points
 from contact_study.report.align.states import resolving
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs, Scatter
@@ -46,13 +38,13 @@ class PanelPoints:
 
 def panel_points(models: Mapping[str, xr.Dataset], wanted: float | None = None) -> PanelPoints:
     """Choose the states: those of the paper where the path visits them, else spread over the path."""
-    case = strongest(sweep_points(models))
+    case = cases.strongest(sweep_points(models))
     paths: dict[str, dict[PathPoint, None]] = {point.label: {} for point in sweep_points(models)}
-    for point, _, part in parts_of(models):  # first visits on loading
-        paths[point.label] |= dict.fromkeys(named for named in case_points(part) if named and named[1:] == (0, 0))
+    for point, _, part in cases.parts_of(models):  # first visits on loading
+        paths[point.label] |= dict.fromkeys(named for named in cases.case_points(part) if named and named[1:] == (0, 0))
     shared = [named for named in paths[case.label] if all(named in path for path in paths.values())]
     own = sorted(paths[case.label], key=_value)
-    pressed = control_of(next(iter(models.values()))) == "pressure"
+    pressed = cases.control_of(next(iter(models.values()))) == "pressure"
     paper = _paper_points(own, scales(models, case).contact_modulus) if pressed else []
     if wanted is not None:
         common = min(shared or own, key=lambda named: abs(_value(named) - wanted))
