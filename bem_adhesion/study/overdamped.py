@@ -39,9 +39,8 @@ class OverdampedContact(AdhesiveContact):
     """The contact of a case in overdamped motion: states are gaps (m), drag is a stiffness (Pa/m), loads are in Pa."""
 
     def __init__(self, case: Case, surface: Surface, allowed: float):
-        super().__init__(
-            surface.sampled, surface.grid, case.solid, case.law, **solver_options(case, surface.grid.points)
-        )
+        options = solver_options(case, surface.grid.points)
+        super().__init__(surface.sampled, surface.grid, case.solid, case.law, **options)
         self._case, self._spacing = case, surface.grid.spacing
         self._allowed = allowed / self._length
         self._pairs = self._work.pairs  # at the last count of the work

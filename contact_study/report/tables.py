@@ -268,22 +268,18 @@ def regime_table(models: Models, regime: xr.Dataset) -> Table:
     zone = length_unit(float(regime["process_zone"].fillna(0).max()))
     columns = [column for column in _REGIME if (regime[column[0]].fillna(0) != 0).any()]
     sizes = {"process_zone": zone.size}
-    rows = [
-        [
-            at.label,
-            *(_or_nothing(fixed, float(part[name]) / sizes.get(name, 1.0), digits) for name, _, digits in columns),
-        ]
-        for at, _, part in cases.parts_of({"": regime}, sweep_points(models))
-    ]
+    rows = []
+    for at, _, part in cases.parts_of({"": regime}, sweep_points(models)):
+        cells = (_or_nothing(fixed, float(part[name]) / sizes.get(name, 1.0), digits) for name, _, digits in columns)
+        rows.append([at.label, *cells])
     header = [f"{words} ({zone.name})" if name == "process_zone" else words for name, words, _ in columns]
     return plain_table(["", *header], rows)
 
 
 def constants_table(models: Models) -> Table:
     """Inputs of continuum and theories beside what the atomistic model measured on itself."""
-    stress = pressure_unit(
-        max(cases.first_constant(models, point, "contact_modulus") for point in sweep_points(models))
-    )
+    moduli = (cases.first_constant(models, point, "contact_modulus") for point in sweep_points(models))
+    stress = pressure_unit(max(moduli))
     distance, height = (
         length_unit(max((float(own[name].max()) for own in models.values() if name in own), default=0.0))
         for name in ("equilibrium_distance", "rms_height")

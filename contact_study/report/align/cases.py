@@ -98,9 +98,8 @@ def series(part: xr.Dataset, name: str) -> Series:
         scatter = np.nanstd(np.where(good, values, np.nan), axis=0, ddof=1)
         left: np.ndarray = np.nanmean(values, axis=0)
     # A theory of the ensemble gives every seed the same number up to rounding: no error, rather than one of zero.
-    error = np.where((samples > 1) & (scatter > 1e-12 * np.abs(mean)), scatter, np.nan) / np.sqrt(
-        np.maximum(samples, 1)
-    )
+    known = (samples > 1) & (scatter > 1e-12 * np.abs(mean))
+    error = np.where(known, scatter, np.nan) / np.sqrt(np.maximum(samples, 1))
     return Series(np.where(samples > 0, mean, left), error, samples > 0, samples)
 
 

@@ -50,9 +50,8 @@ def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dat
     attrs = {"units": "1", "long_name": "models compared: model minus reference"}
     names = xr.Variable("pair", [" - ".join(pair) for pair in pairs], attrs)
     table = xr.concat(tables, dim=names, data_vars="all", join="exact", coords="minimal", compat="equals")
-    table = table.rename_vars(prescribed=f"applied_{control}").assign_coords(
-        step=("step", np.arange(table.sizes["step"], dtype=np.int32))
-    )
+    steps = np.arange(table.sizes["step"], dtype=np.int32)
+    table = table.rename_vars(prescribed=f"applied_{control}").assign_coords(step=("step", steps))
     for dim in swept_dims(table.drop_dims("pair")):
         table[dim].attrs = next(dataset[dim].attrs for dataset in models.values() if dim in dataset.dims)
     average = averaged(next(iter(models.values())))

@@ -175,10 +175,8 @@ def loops(inputs: Inputs) -> list[Loop]:
         if "pull_off_pressure" not in part and not (pulled and entry_of(model).simulation):
             continue
         pull_off, error = (cases.constant(part, f"pull_off_pressure{name}") for name in ("", RESOLUTION_ERROR))
-        y, x, work = (
-            cases.first_constant(inputs.models, point, name)
-            for name in ("surface_size_y", "surface_size_x", "work_of_adhesion")
-        )
+        names = "surface_size_y", "surface_size_x", "work_of_adhesion"
+        y, x, work = (cases.first_constant(inputs.models, point, name) for name in names)
         lowest, jump_in = float(pressure.min()), cases.constant(part, "jump_in_pressure")
         energies = _dissipated(part, _NOISE * work), cases.constant(part, "work_of_separation")
         found.append(Loop(model, point, pull_off, pull_off - error, pull_off * y * x, lowest, jump_in, *energies))

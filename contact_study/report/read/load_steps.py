@@ -88,9 +88,8 @@ def _with_step(dataset: xr.Dataset, control: str) -> xr.Dataset:
     names = [name for name, v in dataset.data_vars.items() if set(v.dims) <= {*swept_dims(dataset), "step"}]
     names = [name for name in names if "step" in dataset[name].dims and dataset[name].dtype.kind in "fiub"]
     kept = dataset[names].drop_vars([name for name in dataset[names].coords if "step" in dataset[name].dims])
-    return kept.assign_coords(prescribed=dataset[f"applied_{control}"], branch=dataset["branch"]).drop_vars(
-        [f"applied_{control}", "step"], errors="ignore"
-    )
+    kept = kept.assign_coords(prescribed=dataset[f"applied_{control}"], branch=dataset["branch"])
+    return kept.drop_vars([f"applied_{control}", "step"], errors="ignore")
 
 
 def _all_points(dataset: xr.Dataset, lead: xr.DataArray) -> dict[tuple[int, ...], list[PathPoint | None]]:
