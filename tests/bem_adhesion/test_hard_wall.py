@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
 
 from bem_adhesion import HardWall, rough_contact
 from bem_adhesion.hard_wall.contact import HardWallContact
@@ -58,6 +59,7 @@ def assert_complementary(found, height, grid, solid, mean_pressure, hardness=np.
         ((33, 57), 1.0, 11, 0.05, (0.09, 0.3, 0.03, 0.24, 0.3)),
         ((100, 64), 3.0, 11, 0.05, (0.3, 0.999, 0.1, 0.8, 0.999)),
         ((32, 32), 1.0, 143, 7e-4, (0.5, 1 - 2e-6, 0.2, 1 - 2e-6)),  # flattened all over
+        ((64, 64), 2.0, 1, 1e-9, (0.01, 0.5, 0.9)),  # soft: all of the contact yields
     ],
 )
 def test_conditions_hold_on_every_step_of_a_path_even_on_noise(shape, exponent, seed, share, loads):
@@ -69,6 +71,22 @@ def test_conditions_hold_on_every_step_of_a_path_even_on_noise(shape, exponent, 
     for target, found in zip(targets, stepped(contact, targets), strict=True):
         assert_complementary(found, height, grid, HALF_SPACE, target, hardness, before)
         before = found.plastic_indentation
+
+
+@pytest.mark.parametrize("share", [None, 0.4])
+@pytest.mark.parametrize(("shape", "quantile"), [((8, 8), 0.98), ((6, 9), 0.8), ((7, 5), 0.3)])
+def test_equals_bounded_least_squares(shape, quantile, share):
+    """C p >= h − level, 0 <= p <= hardness, complementary; C resists a mean pressure, too, which shifts the gap."""
+    height, grid = random_heights(shape, 1.0, seed=3)
+    stiffness_q = np.where(grid.wavenumber > 0, grid.wavenumber, 1.0)  # E* q/2 of E* = 2
+    compliance = np.fft.irfft2(np.fft.rfft2(np.eye(grid.points).reshape(-1, *shape)) / stiffness_q, shape)
+    factor = np.linalg.cholesky(compliance.reshape(grid.points, -1)).T
+    target = np.linalg.solve(factor.T, (height - np.quantile(height, quantile)).ravel())
+    hardness = share and share * lsq_linear(factor, target, (0, np.inf), "bvls", 1e-14).x.max()
+    expected = lsq_linear(factor, target, (0, hardness or np.inf), "bvls", 1e-14).x.reshape(shape)
+    [found] = stepped(plastic(height, grid, hardness, HalfSpace(2.0)), [expected.mean()])
+    # Conditioning of the dense problem (some 1e2) times the solver's tolerance, relative to the largest pressure.
+    np.testing.assert_allclose(found.pressure, expected, atol=1e-8 * expected.max())
 
 
 @settings(max_examples=15)
@@ -134,6 +152,8 @@ def test_flat_and_far_pressed_surfaces(pressed):
     assert np.all(found.pressure > 0) == (pressed > 1e-9)
     expected = (pressed - height.max() + height.mean()) / THIN.mean_compliance
     assert pressed < 1e-9 or found.pressure.mean() == pytest.approx(expected, rel=1e-12)
+    # Nothing that the approach does not pay for: no point is pressed further than the base has come.
+    assert found.pressure.mean() <= pressure
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])

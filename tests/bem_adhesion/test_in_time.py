@@ -144,6 +144,7 @@ RELAXED = 1e9
 SOLID = Viscoelastic(RELAXED, (2e9, 1e9), (1.0, 0.1))
 INSTANTANEOUS = 4e9
 LAW = LennardJones104(0.05, 1e-9)
+Q, WAVE = 2 * np.pi / SIZE, np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((16, 1))
 
 
 def relaxing(height, law=None, size=SIZE, solid=SOLID, **options):
@@ -160,9 +161,8 @@ def followed(contact, targets, duration, steps):
 
 
 def test_a_wave_pressed_flat_relaxes_as_its_branches_do():
-    amplitude, q, ramp = 1e-10, 2 * np.pi / SIZE, 0.3
-    wave = np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((16, 1))
-    contact = relaxing(amplitude * wave)
+    amplitude, ramp = 1e-10, 0.3
+    contact = relaxing(amplitude * WAVE)
     solution, _ = contact.step(contact.separated(), 2e7, ramp)  # the load closes every gap
     time = 0.0
     for wait in (0.0, 0.05, 0.45, 1.0, 2.5):
@@ -174,9 +174,26 @@ def test_a_wave_pressed_flat_relaxes_as_its_branches_do():
             branch * tau / ramp * (1 - np.exp(-ramp / tau)) * np.exp(-time / tau)
             for branch, tau in zip(SOLID.branch_moduli, SOLID.relaxation_times, strict=True)
         )
-        assert 2 * np.mean(solution.pressure * wave) == pytest.approx(modulus * q / 2 * amplitude, rel=1e-9)
+        assert 2 * np.mean(solution.pressure * WAVE) == pytest.approx(modulus * Q / 2 * amplitude, rel=1e-9)
     with pytest.raises(ValueError, match="duration = 0"):
         contact.step(contact.separated(), 1e6, 0.0)
+
+
+def test_a_wave_creeps_under_a_law_as_in_closed_form():
+    # Of 1e-15 m so that the law is a spring, as stiff as the solid; the tolerance is what rounding leaves of that.
+    law, solid, errors = LennardJones104(0.003, 1e-9), Viscoelastic(RELAXED, (3e9,), (1.0,)), []
+    contact = relaxing(1e-15 * WAVE, law, solid=solid, tolerance=1e-13)
+    first, _ = contact.step(contact.separated(), 1e6, 1e-9)
+    spring = float(law.stiffness(np.array(first.gap.mean())))
+    slow, fast = (spring + modulus * Q / 2 for modulus in (RELAXED, INSTANTANEOUS))
+    expected = 1e-15 * spring * (1 / slow + (1 / fast - 1 / slow) * np.exp(-2.0 * slow / fast))
+    for steps in (2, 4, 40):
+        found = first
+        for _ in range(steps):
+            found, _ = contact.step(found, 1e6, 2.0 / steps)
+        errors.append(2 * np.mean(found.state[1] * WAVE) / expected - 1)
+    assert 3 < errors[0] / errors[1] < 5  # halving the step quarters the error
+    assert abs(errors[2]) < 1e-4
 
 
 @pytest.mark.parametrize("law", [HardWall(), LAW])

@@ -104,6 +104,7 @@ def test_loop_of_contact_pull_off_and_new_contact(tmp_path):
     assert lengths[3] == 1
     np.testing.assert_array_equal(lengths[touching], root.iterations[touching])
     np.testing.assert_array_equal(area[touching, lengths[touching] - 1], root.relative_contact_area[touching])
+    np.testing.assert_array_equal(root.overdamped_load[[0, 1, 3, 4]], root.applied_pressure[[0, 1, 3, 4]])
     assert -10e9 < root.overdamped_load[2] < -1e9  # torn off on the way
     # Half the loads are on their way, at the rate of the pace.
     pace = pace_of(make_study(changed(**FLOW)).cases[0], (62.4e-10, 62.4e-10))
@@ -111,6 +112,7 @@ def test_loop_of_contact_pull_off_and_new_contact(tmp_path):
     rates = np.diff(load) / np.diff(time) / pace.rate
     assert np.all(rates <= 1 + 1e-9)
     assert np.count_nonzero(rates > 1 - 1e-9) > 5
+    assert np.diff(root.overdamped_time).min() >= 0 < np.diff(time).min()
     assert root.overdamped_time[1] > root.overdamped_time[0] == time[-1]
     assert np.all(root.force_evaluations[[0, 1, 2, 4]] > root.iterations[[0, 1, 2, 4]])
     quasi = {**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}

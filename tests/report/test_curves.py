@@ -34,7 +34,7 @@ def test_areas_and_gaps_against_pressure(inputs, model):
     expected = np.where((STRONG < 0) & (model == "persson"), np.nan, gap(8, STRONG, model=model))
     for reduced, length, pressure in ((True, H_RMS, MODULUS), (False, 1e-10, 1e9)):  # Å and GPa
         curve = one(gap_curves(inputs.models, reduced), model, 1)
-        np.testing.assert_allclose(curve.x, expected / length, rtol=1e-9)
+        np.testing.assert_allclose(curve.x, expected / length, rtol=1e-12)
         np.testing.assert_allclose(curve.y, STRONG / pressure, rtol=1e-12)
 
 
@@ -46,7 +46,7 @@ def test_bands_between_the_branches(inputs, tmp_path):
         (bands(inputs, "gap")[1], MODULUS, (gaps / high / H_RMS, gaps / low / H_RMS)),
     ):
         np.testing.assert_allclose(band.along, pressure / unit, rtol=1e-12)
-        np.testing.assert_allclose([band.low, band.high], ends, rtol=1e-9)
+        np.testing.assert_allclose([band.low, band.high], ends, rtol=1e-12)
     one_branch = {"gap_flow": dict.fromkeys(("loading", "unloading"), inputs.models["gap_flow"])}
     assert bands(dataclasses.replace(inputs, branches=one_branch)) == []
     # Under a prescribed gap each branch has its own pressures.
@@ -73,11 +73,11 @@ def test_distributions_are_those_of_the_paper_states(inputs):
     ):
         density = models["continuum"][f"{name}_pdf"].sel(well_depth_ratio=1).isel(step=1).values
         curve = one(found, "continuum", 0)
-        np.testing.assert_allclose(curve.x * unit, models["continuum"][f"{name}_bin"], rtol=1e-9)
-        np.testing.assert_allclose(curve.y / unit, np.where(density > 0, density, np.nan), rtol=1e-6)
+        np.testing.assert_allclose(curve.x * unit, models["continuum"][f"{name}_bin"], rtol=1e-12)
+        np.testing.assert_allclose(curve.y / unit, np.where(density > 0, density, np.nan), rtol=1e-12)
         for curve in found:
             contact = area((1, 8)[curve.colour], 0.7799e9, model=curve.model) if name == "pressure" else 1.0
-            assert np.nansum(curve.y * np.diff(edges) / unit) == pytest.approx(contact, rel=1e-9)
+            assert np.nansum(curve.y * np.diff(edges) / unit) == pytest.approx(contact, rel=1e-12)
 
 
 def test_detached_and_unconverged_states(tmp_path):
@@ -121,15 +121,15 @@ def test_seeds_are_averaged_with_their_standard_error(seeded):
     curve, areas = one(area_curves(seeded), "continuum", 1), of_seeds(area, 8)
     kept = [areas[1:, 0], *areas[:, 1:].T]
     np.testing.assert_allclose(curve.y, [values.mean() for values in kept], rtol=1e-12)
-    np.testing.assert_allclose(curve.y_error, [standard_error(values) for values in kept], rtol=1e-9)
+    np.testing.assert_allclose(curve.y_error, [standard_error(values) for values in kept], rtol=1e-12)
     scatter = standard_error(of_seeds(gap, 8))[2]
-    assert one(gap_curves(seeded), "continuum", 1).x_error[2] == pytest.approx(scatter / H_RMS, rel=1e-6)
+    assert one(gap_curves(seeded), "continuum", 1).x_error[2] == pytest.approx(scatter / H_RMS, rel=1e-12)
     shown = panel_points(seeded)
     curve = one(density_curves("pressure", seeded, shown)[0], "continuum", 1)
     values = seeded["continuum"]["pressure_pdf"].sel(well_depth_ratio=8).isel(step=2).values
     there = values.mean(axis=0) > 0
-    np.testing.assert_allclose(curve.y[there] / MODULUS, values.mean(axis=0)[there], rtol=1e-9)
-    np.testing.assert_allclose(curve.y_error[there] / MODULUS, standard_error(values)[there], rtol=1e-9)
+    np.testing.assert_allclose(curve.y[there] / MODULUS, values.mean(axis=0)[there], rtol=1e-12)
+    np.testing.assert_allclose(curve.y_error[there] / MODULUS, standard_error(values)[there], rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_strips_are_a_standard_deviation_about_the_mean(inputs, seeds, tmp_path)
     for colour, ratio in enumerate(PRESSURES):
         along, areas = one(strips(inputs.models), "continuum", colour), of_seeds(area, ratio)
         np.testing.assert_allclose(along.y[: areas.shape[1]], areas.mean(axis=0), rtol=1e-12)
-        np.testing.assert_allclose(along.y_error[: areas.shape[1]], areas.std(axis=0, ddof=1), rtol=1e-9)
+        np.testing.assert_allclose(along.y_error[: areas.shape[1]], areas.std(axis=0, ddof=1), rtol=1e-12)
     # Points that are not compared have none; the others have the colours of the figure.
     (only,) = strips(read(tmp_path, synthetic.STUDY.replace("= [1, 8]", "= [8]")).models)
     assert only.colour == 0
