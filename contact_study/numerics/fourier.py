@@ -52,7 +52,7 @@ def _load_wisdom(path: Path) -> None:
 
 def _save_wisdom(path: Path) -> None:
     content = json.dumps([wisdom.decode() for wisdom in _fftw().export_wisdom()])
-    partial = path.with_suffix(f".{os.getpid()}")
+    partial = path.with_suffix(".tmp")  # one at a time, under the lock
     partial.write_text(f"{_checksum(content)}\n{content}", "ascii")
     partial.replace(path)
 

@@ -166,7 +166,7 @@ NOT_WRITTEN = {
     "a study refused late": (toy_model, "constants", InputError("surface.seed = 1: unlucky"), "error: surface.seed ="),
     "no locks": ("fcntl", "flock", NO_LOCKS, "bem.nc: the file system of its folder has no locks (flock)"),
     "a full disk, of steps": (case_file, "append", FULL, ".case: cannot be written (No space left on device)"),
-    "a full disk": (xr.Dataset, "to_netcdf", RuntimeError("NetCDF: HDF error"), "is the disk full?"),
+    "a full disk": (xr.Dataset, "dump_to_store", RuntimeError("NetCDF: HDF error"), "is the disk full?"),
 }
 
 
@@ -178,7 +178,7 @@ def test_what_cannot_be_written_leaves_nothing_but_steps(run, tmp_path, monkeypa
     assert status == 1
     assert words in said.splitlines()[-1]
     assert "Traceback" not in said
-    assert names(tmp_path) == (["bem.nc.parts"] if name == "to_netcdf" else [])
+    assert names(tmp_path) == (["bem.nc.parts"] if name == "dump_to_store" else [])
     assert not list(tmp_path.rglob("*.tmp"))
 
 
