@@ -326,7 +326,9 @@ def test_colours_are_for_terminals(verb, monkeypatch):
         assert sorted(words) == sorted(plain.split()), "and no colour in what is plain"
 
 
-def test_the_program_imports_little_for_its_help():
-    """Without numpy, of which the import takes longer than all else: help within a blink."""
-    code = "import sys, contact_study.start as s; s.bem_adhesion(['run', '--help']); assert 'numpy' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True)
+HELP = "from contact_study.start import bem_adhesion as run; run(['run', '--help'])"
+
+
+@pytest.mark.parametrize(("code", "library"), [(HELP, "numpy"), ("import bem_adhesion", "numba")])
+def test_no_library_is_imported_that_takes_longer_than_all_else(code, library):
+    subprocess.run([sys.executable, "-c", f"import sys; {code}; assert '{library}' not in sys.modules"], check=True)
