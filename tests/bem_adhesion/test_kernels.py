@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bem_adhesion.kernels import law as law_kernels
-from bem_adhesion.kernels.law import LawKernels, WallKernels, kernels_of
+from bem_adhesion.kernels.law import LawKernels, WallKernels, blocks, kernels_of
 from tests.laws_of_all_kinds import EVERY_LAW
 
 SOFT = {name: law for name, law in EVERY_LAW.items() if name != "hard_wall"}
@@ -42,6 +42,14 @@ def test_fused_kernels_equal_the_separate_functions(name, single, monkeypatch):
         LawKernels(law).advance(repelled, step, 0.4, out := np.empty_like(repelled))
         wanted = law.traction(repelled) + law.stiffness(repelled) * step
         np.testing.assert_allclose(law.traction(out), wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
+
+
+def test_a_block_has_whole_rows_and_no_more_than_one_of_very_long_ones(monkeypatch):
+    monkeypatch.setattr(law_kernels, "BLOCK", 10)
+    assert [[len(field[here]) for here in blocks(field)] for field in (np.empty((5, 4)), np.empty((2, 99)))] == [
+        [2, 2, 1],
+        [1, 1],
+    ]
 
 
 @laws

@@ -1,5 +1,7 @@
 import tracemalloc
+from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -90,6 +92,15 @@ def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
     assert (found.outcome, found.iterations) == (Outcome.ITERATION_LIMIT, 41)
 
 
+def test_a_state_in_balance_costs_its_residual_and_a_search_for_saddles_on_a_coarser_grid():
+    contact = contact_of(law(), 64, size=250e-10)  # the coarser grid has 5.3 points a process zone
+    found = contact.step(contact.separated(), 1e9)
+    again = contact.step(found, 1e9)
+    assert again.iterations == 0
+    # One pair; for the search at most eight iterations of two pairs, in single precision on a quarter of the points.
+    assert again.fft_pairs <= 1 + 8 * 2 / 2 / 4
+
+
 def test_further_tangent_steps_close_in_within_the_same_limit():
     contact = contact_of(law(), 96, size=800e-10)
     solver, start = contact.levels.finest, contact.step(contact.separated(), 1e9).gap / contact.law.length
@@ -126,6 +137,18 @@ def test_a_prediction_touches_where_the_coarse_grid_does():
     found = contact.step(contact.separated(), 5e9)
     # The two differ at the edges alone. Where interpolation rounds points off the wall half of the contact is missing.
     assert np.mean(touching) == pytest.approx(np.mean(found.gap == 0), rel=0.1)
+
+
+def test_points_that_touch_still_touch_in_a_state_that_was_rounded():
+    contact = contact_of(STICKY)
+    found = contact.step(contact.separated(), 5e9)
+    for towards in (-np.inf, np.inf):
+        rounded = np.nextafter(found.state, towards)
+        np.testing.assert_array_equal(contact.step(rounded, 5e9).gap == 0, found.gap == 0)
+        # Touching points are pinned; a last digit is 1e-15 of the gaps.
+        assert contact.stiffness(replace(found, state=rounded)) == pytest.approx(contact.stiffness(found), rel=1e-6)
+    with pytest.raises(ValueError, match="gaps < 0"):
+        contact.step(found.state - 1e-12 * STICKY.length, 5e9)
 
 
 def test_full_contact_is_met_by_either_control():
@@ -354,6 +377,37 @@ def test_springs_that_hold_the_rim_leave_negative_curvature_to_the_descent():
     for stalls, outcome in [(True, Outcome.STALLED), (False, Outcome.CONVERGED)]:
         contact.set_anchor_springs(np.full(contact.grid.shape, 1e-3), start, stalls)
         assert contact.solve(start.copy(), load, 1e-8, 100).outcome is outcome
+
+
+def flat_contact(spring=0.0):
+    return NewtonSolver(periodic(UNIT, spring), SCALED, 0.05, Grid((16, 16), (16.0, 16.0)))
+
+
+def test_surfaces_far_apart_do_not_come_together_in_small_steps_alone():
+    contact = flat_contact()
+    start = np.full(contact.grid.shape, 12.0)
+    found = contact.solve(start, Load(np.zeros(start.shape), pressure=1e-6), 1e-8, 200)
+    assert found.outcome is Outcome.CONVERGED
+    # A step along negative curvature is 0.1 of the length, 110 to go: after 50 in a row damped steps go further.
+    assert found.iterations < 70
+
+
+def test_newton_goes_on_from_a_corrected_gap_as_it_starts_from_there():
+    """Flat surfaces on a spring 1.5 times as stiff as the law softens: no minimum were it twice as soft."""
+    rest = np.full((16, 16), 1.3)
+    spring = -1.5 * float(SCALED.stiffness(rest[0, 0]))
+    load, near = Load(-SCALED.traction(rest) - spring * rest), rest + 1e-3
+
+    def correct(gap, pressing, load, right_side, out):
+        out[...] = near
+        return True
+
+    alone, contact = flat_contact(spring).solve(near.copy(), load, 1e-8, 50), flat_contact(spring)
+    contact.corrector = SimpleNamespace(correct=correct)
+    found = contact.solve(rest + 0.7, load, 1e-8, 50)
+    assert found.iterations == alone.iterations == 2
+    # The tolerance over the stiffness that is left, a third of the spring's.
+    np.testing.assert_allclose(found.gap, rest, atol=1e-8 / (spring / 3))
 
 
 def test_squares_cover_what_is_out_of_balance_and_are_few():

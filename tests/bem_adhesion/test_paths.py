@@ -69,11 +69,13 @@ def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
 
 
 # Either rule alone finds it: that of two states by their energies, from 0 or 0.5 on, or that of three.
-@pytest.mark.parametrize(("begin", "first"), [(0.0, 2.0), (0.5, 1.875), *((0.0, first) for first in (0.6, 1.2, 2.4))])
+@pytest.mark.parametrize(
+    ("begin", "first"), [(0.0, 2.0), (0.5, 1.875), *((0.0, first) for first in (0.45, 0.6, 1.2, 2.4))]
+)
 def test_the_strongest_pull_is_not_passed_over(begin, first, monkeypatch):
     """Pulled by s exp(1 − s) at a separation s, at most by one."""
     monkeypatch.setattr("bem_adhesion.study.paths.UNACCOUNTED", np.inf)  # unaccounted work shortens steps, too
-    if first in (0.6, 1.2, 2.4):
+    if first in (0.45, 0.6, 1.2, 2.4):  # of 0.45 the last step is shorter than the one over the largest pull
         monkeypatch.setattr("bem_adhesion.study.paths._skips_pull_off", lambda *_: False)
     contact = Curve(lambda s: -s * np.exp(1 - s), lambda s: np.e - (1 + s) * np.exp(1 - s))
     found = contact.step(np.zeros((2, 2)), begin)
@@ -95,6 +97,10 @@ def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
     # Stored: the pull is one on average, and one at the end.
     assert [_skips_pull_off(before, lowest, noise) for noise in (0.0, 1.0)] == [True, False]
     assert not _skips_pull_off(lowest, before, 0.0), "inwards"
+    # A pull of one at both ends that stores 1 + x is at most 1 + 1.5 x in between: a hundredth is let pass.
+    even = EnergyLedger(0, -1, 0, 0, True)
+    beyond = [even._replace(separation=1, energy=1 + x) for x in (0.006, 0.008)]
+    assert [_skips_pull_off(even, after, 0.0) for after in beyond] == [False, True]
     assert _turns_too_sharply(before, lowest, after)
     assert not _turns_too_sharply(before, lowest, after._replace(pressure=-0.93))
     assert not _turns_too_sharply(before, lowest._replace(attached=False), after)

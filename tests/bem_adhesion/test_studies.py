@@ -286,6 +286,9 @@ def test_a_grid_beyond_this_machine_is_not_proposed(tmp_path, monkeypatch, given
     assert notes(longer) == [] != notes(0.95 * longer)
     tabor, pull_off = map(float, re.search(r"Tabor parameter (\S+), a sphere's pull-off \+(\S+) %", note).groups())
     assert 0.5 < tabor < 3
+    # A range of a good part of the heights blurs them, which is said, to two digits.
+    (share,) = re.findall(r" %, (\S+) of the rms height\)", note)
+    assert float(share) == pytest.approx(longer / SOFT["surface"]["rms_height"], rel=0.05)
     assert 1 < pull_off < 20
     # A part of a few points is no part of a rough surface, nor a range longer than it is high a way out.
     monkeypatch.setattr(memory, "_memory", lambda: 1e4 * 100.0)
