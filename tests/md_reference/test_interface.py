@@ -196,6 +196,22 @@ def test_without_an_error_allowed_only_atoms_that_stood_are_left():
     np.testing.assert_array_equal(force, evaluated(ROUGH, start, True)[1])
 
 
+def test_the_atoms_that_are_expanded_depend_on_no_choice_of_axes():
+    heights, found, error = rough_heights(modes=6), [], 1e-4 * SCALE
+    steep, turned = interface_of(MANY, heights), interface_of(MANY[::-1], heights.T)
+    start = state_on(steep, lateral=1e-10, lowest=1.2)
+    step = np.random.default_rng(1).uniform(-0.03, 0.03, (3, *MANY)) * R0
+    for interface, order, axes in ((steep, [0, 1, 2], (0, 1, 2)), (turned, [1, 0, 2], (0, 2, 1))):
+        cached, force = CachedInterface(interface, interface.shape), np.empty((3, *interface.shape))
+        for u in (start, start + step):
+            cached.evaluate(np.ascontiguousarray(u[order].transpose(axes)), force, error)
+        found.append((cached.evaluations, force[order].transpose(axes)))
+    (evaluations, force), (evaluations_turned, force_turned) = found
+    assert 1.1 < evaluations == evaluations_turned < 1.9
+    # 17 k d²/r0 is below twice the error: k d is some tens of it, and single precision rounds that by 6e-8 of it.
+    np.testing.assert_allclose(force_turned, force, rtol=0, atol=1e-5 * error)
+
+
 SITE = 400 * SPACING / 647
 
 

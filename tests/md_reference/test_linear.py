@@ -59,10 +59,10 @@ def test_negative_curvature_ends_the_iteration():
 MANY = (20, 30)
 
 
-def parts_of(diagonal, known=None, parts=None):
+def parts_of(diagonal, known=None, parts=None, unit=1.0):
     known = np.full(diagonal.shape, np.nan) if known is None else known
     parts = parts or (np.zeros((3, *MANY)), np.empty(MANY), np.empty(MANY))
-    split(diagonal, 0.5, 3.0, 0.05, known, *parts)
+    split(diagonal, 0.5 * unit, 3.0 * unit, 0.05 * unit, known, *parts)
     return known, parts
 
 
@@ -87,6 +87,13 @@ def test_core_is_the_stiffest_direction_of_each_atom():
     # Two eigenvalues may be close, and rounding then turns their directions.
     along = np.abs(np.sum(np.moveaxis(normal, 0, -1) * vectors[..., 2], axis=-1))
     np.testing.assert_allclose(along[has_core], 1, atol=1e-6)
+
+
+def test_core_has_no_unit_of_its_own():
+    unit = 2.0**80  # powers of two round nothing
+    (_, one), (_, other) = (parts_of(random_matrices(4) * times, unit=times) for times in (1.0, unit))
+    for here, there in zip(one, (*other[:2], other[2] * unit), strict=True):
+        np.testing.assert_array_equal(there, here)
 
 
 def test_matrices_that_are_the_same_keep_their_core():

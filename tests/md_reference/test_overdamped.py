@@ -13,7 +13,7 @@ from contact_study.study.study import make_study
 from md_reference.study.cold import OverdampedAtoms
 from md_reference.study.model import solve_path
 from md_reference.study.system import build_contact
-from tests.md_reference.systems import AREA, E_STAR, FLOW, R0, apply, case_of, changed, groups_of, touching
+from tests.md_reference.systems import AREA, E_STAR, FLOW, R0, SMALL, apply, case_of, changed, groups_of, touching
 
 
 class Motion:
@@ -118,6 +118,15 @@ def test_loop_of_contact_pull_off_and_new_contact(tmp_path):
     quasi = {**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}
     still = contact_study.run(changed(**quasi), "atomistic")
     np.testing.assert_allclose(root.relative_contact_area, still.relative_contact_area, atol=1e-9)
+
+
+def test_atoms_in_slow_motion_come_to_rest_under_a_light_load():
+    sections = {"surface": {**SMALL, "rms_height": "2 angstrom", "cutoff_mode": 3}, "interaction": {}}
+    path = {"path": ["1 GPa", "1 kPa", "2 kPa"]}  # 1e-8 E*, the tolerance, is 940 Pa
+    found = contact_study.run(changed(**{**FLOW, **sections, "loading": path}), "atomistic")
+    np.testing.assert_array_equal(found.converged, 1)
+    # What may be missing of a load: contact_study.numerics.balance.
+    np.testing.assert_allclose(found.mean_pressure[1:], [1e3, 2e3], rtol=1.01e-5)
 
 
 def test_work_of_a_point_is_told_whether_the_run_was_stopped_before_it_or_not():
