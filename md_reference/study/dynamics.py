@@ -245,7 +245,7 @@ class _Run:
         time, top, *_ = np.array(at.series[-carried.size - 1 :]).T
         assert case.material.atom_mass is not None
         density = case.material.atom_mass / case.lattice.constant**3
-        drag = block.thickness * density * case.dynamics.damping
+        drag = block.total_mass / (self._area * math.prod(case.lattice.atoms)) * case.dynamics.damping
         descent = Descent(
             carried=carried,
             load=pressure,

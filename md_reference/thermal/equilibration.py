@@ -23,7 +23,7 @@ class Descent(NamedTuple):
     load: float  # the applied one (Pa)
     reached: bool  # whether an atom was within reach of the substrate in any state
     speed: float  # mean speed of the rigid plane downwards (m/s)
-    terminal_speed: float  # of a fall out of reach: load over density, height and damping (m/s); inf without damping
+    terminal_speed: float  # of a fall out of reach: load over mass per area and damping (m/s); inf without damping
     impact: float  # stress of an impact at the block's last speed: density times speed of sound times speed (Pa)
 
 
