@@ -126,7 +126,11 @@ class MultigridSolver:
 
 
 class LocalNewton:
-    """A corrector of :class:`NewtonSolver` that relaxes subdomains of its grid."""
+    """A corrector of :class:`NewtonSolver` that relaxes periodic subdomains of its grid, with their rims anchored.
+
+    It solves K' (d − d₀) + φ'(d) + (K d₀ + load) = 0, K' the solid there. Where a patch jumps, its edge moves for tens
+    of Newton steps while all else rests. The next one of all corrects K'.
+    """
 
     def __init__(self, grid: Grid, make: MakeSolver, memory: Memory | None = None):
         self._tile = grid.shape[0] // TILES, grid.shape[1] // TILES
