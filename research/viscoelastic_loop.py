@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bem_adhesion import LennardJones93, Viscoelastic, ViscoelasticContact, rough_contact
-from bem_adhesion.study.paths import TimeState, steps_in_time
+from bem_adhesion.study.path_in_time import TimeState, steps_in_time
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.study.case import realise

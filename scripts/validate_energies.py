@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bem_adhesion import Exponential, HalfSpace, HardWall, Layer, LennardJones104, rough_contact
-from bem_adhesion.study.paths import separation_of
+from bem_adhesion.study.interface import separation_of
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity
 from scripts.harness import Option, program, rough_surface, show, walk

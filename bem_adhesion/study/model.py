@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from bem_adhesion.study.overdamped import OverdampedContact
-from bem_adhesion.study.paths import path_in_time, path_of_equilibria
+from bem_adhesion.study.path_in_time import path_in_time
+from bem_adhesion.study.paths import path_of_equilibria
 from contact_study.campaign.memory import in_words, most_points, on_grid
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError

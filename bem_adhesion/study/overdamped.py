@@ -11,7 +11,7 @@ import numpy as np
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.operators import Load
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
-from bem_adhesion.study.paths import interface_state, solver_options
+from bem_adhesion.study.interface import interface_state, solver_options
 from contact_study.numerics.balance import excess
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState

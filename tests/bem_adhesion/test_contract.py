@@ -28,7 +28,7 @@ from bem_adhesion import (
     ViscoelasticContact,
     rough_contact,
 )
-from bem_adhesion.study.paths import separation_of
+from bem_adhesion.study.interface import separation_of
 from contact_study.inputs.units import quantity
 from tests.bem_adhesion.paper_system import (
     E_STAR,

@@ -8,7 +8,7 @@ import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.study.overdamped import OverdampedContact
-from bem_adhesion.study.paths import TimeState, steps_in_time
+from bem_adhesion.study.path_in_time import TimeState, steps_in_time
 from contact_study.campaign import worker
 from contact_study.physics.solids import Viscoelastic
 from contact_study.results.overdamped_path import Status, at_rest, follow, pace_of

@@ -8,7 +8,7 @@ import pytest
 import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.study.paths import EnergyLedger, _skips_pull_off, _turns_too_sharply, adaptive_step
+from bem_adhesion.study.adaptive import EnergyLedger, _skips_pull_off, _turns_too_sharply, adaptive_step
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 
@@ -74,9 +74,9 @@ def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
 )
 def test_the_strongest_pull_is_not_passed_over(begin, first, monkeypatch):
     """Pulled by s exp(1 − s) at a separation s, at most by one."""
-    monkeypatch.setattr("bem_adhesion.study.paths.UNACCOUNTED", np.inf)  # unaccounted work shortens steps, too
+    monkeypatch.setattr("bem_adhesion.study.adaptive.UNACCOUNTED", np.inf)  # unaccounted work shortens steps, too
     if first in (0.45, 0.6, 1.2, 2.4):  # of 0.45 the last step is shorter than the one over the largest pull
-        monkeypatch.setattr("bem_adhesion.study.paths._skips_pull_off", lambda *_: False)
+        monkeypatch.setattr("bem_adhesion.study.adaptive._skips_pull_off", lambda *_: False)
     contact = Curve(lambda s: -s * np.exp(1 - s), lambda s: np.e - (1 + s) * np.exp(1 - s))
     found = contact.step(np.zeros((2, 2)), begin)
     account = EnergyLedger(begin, float(found.pressure.mean()), begin, found.elastic_energy, True)

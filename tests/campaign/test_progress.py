@@ -3,7 +3,7 @@ import pytest
 import tomli_w
 import xarray as xr
 
-import bem_adhesion.study.paths
+import bem_adhesion.study.interface
 from contact_study import start
 from contact_study.campaign import progress as module
 from contact_study.campaign.progress import Progress
@@ -87,7 +87,7 @@ def test_every_solver_gives_signs_of_life(model, points, keys, tmp_path, monkeyp
     assert start.bem_adhesion([*given, "-o", str(tmp_path / "told.nc")]) == 0
     assert "at work: iteration 1" in capsys.readouterr().err
     if points == 128:  # the solver itself is traced, which changes no number
-        monkeypatch.setattr(bem_adhesion.study.paths, "_TRACED", np.inf)
+        monkeypatch.setattr(bem_adhesion.study.interface, "_TRACED", np.inf)
         assert start.bem_adhesion([*given, "-o", str(tmp_path / "alone.nc")]) == 0
         assert "at work" not in capsys.readouterr().err
         with xr.open_dataset(tmp_path / "told.nc") as told, xr.open_dataset(tmp_path / "alone.nc") as alone:

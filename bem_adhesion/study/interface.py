@@ -1,0 +1,59 @@
+"""Solutions of the continuum as the campaign's state of the interface."""
+
+from typing import Any
+
+import numpy as np
+
+from bem_adhesion.operators import Progress
+from bem_adhesion.solution import Solution
+from contact_study.numerics import life
+from contact_study.physics.solids import Elasticity
+from contact_study.results.state import InterfaceState, SolverReport
+from contact_study.study.case import Case
+
+_TRACED = 128**2  # points of a grid from which on iterations are reported; on smaller ones that costs some per cent
+
+
+def solver_options(case: Case, points: int) -> dict[str, Any]:
+    """Return the options of a contact of so many points that a case gives its solver."""
+    given = case.solver
+    limits = {"tolerance": given.tolerance, "max_iterations": given.max_iterations, "threads": max(1, given.threads)}
+    return {"control": case.loading.control, "trace": _beat if points >= _TRACED else None, **limits}
+
+
+def _beat(progress: Progress) -> None:
+    """Pass on the beginning of an iteration."""
+    if progress.phase == "iteration":
+        life.beat(progress.residual)
+
+
+def separation_of(solution: Solution, solid: Elasticity) -> float:
+    """Return the distance of the mean planes, without that of the heights (m)."""
+    if solution.plane is not None and not solution.detached:
+        return solution.plane
+    # Mean gap and separation differ by the uniform compression of a layer and by the indentation.
+    separation = float(np.mean(solution.gap)) - solid.compression(float(np.mean(solution.pressure)))
+    yielded = solution.plastic_indentation
+    return separation if yielded is None else separation - float(np.mean(yielded))
+
+
+def interface_state(
+    case: Case, solution: Solution, spacing: tuple[float, float], stiffness: float | None = None
+) -> InterfaceState:
+    """Return the state of a case's interface; ``spacing`` (m) along y and x, ``stiffness`` −dp/dū if known (Pa/m)."""
+    gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation
+    separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
+    further = {} if stiffness is None else {"contact_stiffness": stiffness}
+    if yielded is not None:  # the pressure on a yielding point is the hardness throughout
+        further["plastic_work"] = (case.material.hardness or 0.0) * float(np.mean(yielded))
+    touching = case.law.in_contact(gap, pressure, case.contact_distance)
+    numbers = case.law.equilibrium_distance, separation, solution.elastic_energy, solution.interaction_energy
+    return InterfaceState(
+        *(gap, pressure, touching, *numbers),
+        report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
+        restart={"state": solution.state},
+        spacing=spacing,
+        plastic_indentation=yielded,
+        further=further,
+        periodic=case.elasticity.boundary == "periodic",
+    )
