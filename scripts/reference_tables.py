@@ -130,7 +130,7 @@ def _home(section: str, key: str) -> ModuleType:
 
 
 def _file(module: ModuleType) -> str:
-    return str(Path(str(module.__file__)).relative_to(ROOT))
+    return str(Path(str(module.__file__)).relative_to(ROOT)).removesuffix("/__init__.py")
 
 
 # Rooms of the code by the subject of their messages.

@@ -137,6 +137,11 @@ class Variable:
         return {"_FillValue": self.empty, **compressed}
 
 
+def noted(units: str, long_name: str, comment: str) -> Variable:
+    """Return the entry of a quantity of a step with a comment."""
+    return Variable(units, long_name, attrs={"comment": comment})
+
+
 @dataclass(frozen=True)
 class Observable:
     """Quantities that one function reads off a state: their entries by name, and as many of them as the state has."""

@@ -1,0 +1,66 @@
+"""Quantities that are read off the state of a simulation, a file for each subject with formula and dataset entry."""
+
+from dataclasses import replace
+
+from contact_study.numerics.distributions import Bins
+from contact_study.results.observables.area import AREA, OVERCOUNT, edge_sides
+from contact_study.results.observables.autocorrelation import (
+    AUTOCORRELATION,
+    RELATIVE_DISTANCE,
+    RING_EDGES,
+    RINGS,
+    contact_autocorrelation,
+)
+from contact_study.results.observables.clusters import CLUSTERS, cluster_map, percolates
+from contact_study.results.observables.mechanics import FURTHER, MECHANICS
+from contact_study.results.observables.solver_report import SOLVER_REPORT
+from contact_study.results.state import InterfaceState, Observable, Step, Value, Variable
+
+__all__ = [
+    "AREA",
+    "AUTOCORRELATION",
+    "AVERAGED",
+    "CLUSTERS",
+    "ENTRIES",
+    "FURTHER",
+    "MECHANICS",
+    "OBSERVABLES",
+    "OVERCOUNT",
+    "RELATIVE_DISTANCE",
+    "RINGS",
+    "RING_EDGES",
+    "SOLVER_REPORT",
+    "cluster_map",
+    "contact_autocorrelation",
+    "edge_sides",
+    "observed",
+    "percolates",
+    "recorded",
+]
+
+OBSERVABLES: list[Observable] = [MECHANICS, FURTHER, AREA, CLUSTERS, AUTOCORRELATION, SOLVER_REPORT]
+
+ENTRIES: dict[str, Variable] = {
+    name: variable for observable in OBSERVABLES for name, variable in observable.variables.items()
+}
+
+# Those whose value for an ensemble is the mean over its states.
+AVERAGED: set[str] = {name for observable in OBSERVABLES if observable.averaged for name in observable.variables}
+
+
+def observed(state: InterfaceState, bins: Bins) -> dict[str, Value]:
+    """Read every observable off a state, distributions on the given bins; returns values by name."""
+    return {name: value for observable in OBSERVABLES for name, value in observable.read(state, bins).items()}
+
+
+def recorded(point: InterfaceState | Step, bins: Bins, fields: bool = False) -> Step:
+    """The step of a state, with its fields if asked, or of quantities of theories, every distribution on the bins."""
+    if isinstance(point, InterfaceState):
+        kept = {"gap": point.gap, "pressure": point.pressure} if fields else {}
+        if fields and point.plastic_indentation is not None:
+            kept["plastic_indentation"] = point.plastic_indentation
+        return Step(observed(point, bins), {**kept, **point.atoms}, point.restart, bins)
+    edges = bins.edges_of
+    functions = {key: value for key, value in point.values.items() if callable(value)}
+    densities = {key: function(edges[key.rpartition("/")[2]]) for key, function in functions.items()}
+    return replace(point, values={**point.values, **densities}, bins=bins)
