@@ -20,7 +20,7 @@ extensions = [
     "sphinx-mathjax-offline",  # the site needs no network
 ]
 root_doc = "index"
-exclude_patterns = ["_build", "gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "sg_execution_times.rst"]
+exclude_patterns = ["_build", "gallery/**.ipynb", "gallery/**.py", "gallery/**.md5", "sg_execution_times.rst"]
 html_theme = "furo"
 html_title = "bem-adhesion"
 templates_path = ["templates"]
