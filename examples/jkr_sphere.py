@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from bem_adhesion import LennardJones104, rough_contact
+from theory import JKR
 
 radius, modulus, work, length = 50e-9, 1e9, 0.05, 0.4e-9  # R, E*, w, r0
 size, points = 60e-9, 288
@@ -25,13 +26,11 @@ for force in (path := np.concatenate([loading, unloading])):
     if state.detached:
         break
 
-# JKR: F = 4 E* a³/(3 R) − √(8 π w E* a³).
-a = np.linspace(0.15, 2.05, 200) * np.cbrt(np.pi * work * radius**2 / modulus)
-jkr = 4 * modulus * a**3 / (3 * radius) - np.sqrt(8 * np.pi * work * modulus * a**3)
+theory = JKR(radius, modulus, work).curve(3 * unit)
 tabor = (radius * work**2 / (modulus**2 * length**3)) ** (1 / 3)
 
 figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
-axes.plot(jkr / unit, a * 1e9, "-", color="0.6", label="JKR")
+axes.plot(theory.force / unit, theory.contact_radius * 1e9, "-", color="0.6", label="JKR")
 axes.plot(path[:8], np.array(radii[:8]) * 1e9, "o", mfc="w", label="loading")
 axes.plot(path[8 : len(radii)], np.array(radii[8:]) * 1e9, "s", ms=4, label="unloading")
 axes.set(xlabel="force / π w R", ylabel="contact radius (nm)", title=f"Tabor parameter {tabor:.1f}")

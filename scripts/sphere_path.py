@@ -16,7 +16,7 @@ from bem_adhesion import Dugdale
 from bem_adhesion.adhesive.contact import reach
 from contact_study import plots
 from scripts.harness import FIGURE, Option, program, save, show
-from theory.references import maugis_dugdale_contact, maugis_dugdale_pull_off
+from theory import MaugisDugdale, maugis_of_tabor
 
 # E* (Pa), reach (m) and work of adhesion (J/m²) of Dugdale's tension: scales, without consequence.
 MODULUS, REACH, WORK = 1e9, 1e-9, 0.02
@@ -32,7 +32,7 @@ def run(given: argparse.Namespace) -> None:
     size = CELL * 2 * length
     found = path(radius, size, given.points, given.resolution)
     unit = np.pi * WORK * radius / size**2
-    parameter = 2 * TABOR * (9 / (16 * np.pi)) ** (1 / 3)
+    maugis = MaugisDugdale.of_parameter(float(maugis_of_tabor(TABOR, relative_strength=1.0)))
     held, off = (float(found[f"pull_off_pressure{name}"]) / unit for name in ("", "_resolution_error"))
     at, step = (float(found[f"jump_in_separation{name}"]) for name in ("", "_resolution_error"))
     tip = size**2 / (12 * radius)  # over the heights' mean
@@ -40,8 +40,8 @@ def run(given: argparse.Namespace) -> None:
     scale = (WORK**5 * radius**4 / MODULUS**2) ** (1 / 3)
     ends = f"1 to {reach(Dugdale(WORK, REACH)) / REACH:.2f}"
     rows = (
-        ("pull-off force / πwR", f"{held - off:.3f} to {held:.3f}", f"{-maugis_dugdale_pull_off(parameter):.3f}"),
-        ("work of separation / (w⁵R⁴/E*²)^(1/3)", f"{work / scale:.2f}", f"{maugis_work(parameter):.2f}"),
+        ("pull-off force / πwR", f"{held - off:.3f} to {held:.3f}", f"{maugis.pull_off_force:.3f}"),
+        ("work of separation / (w⁵R⁴/E*²)^(1/3)", f"{work / scale:.2f}", f"{maugis_work(maugis):.2f}"),
         ("tip at jump-in / reach", f"{(at - step - tip) / REACH:.2f} to {(at - tip) / REACH:.2f}", ends),
         ("force at jump-in / πwR", f"{float(found['jump_in_pressure']) / unit:.3f}", "0"),
     )
@@ -69,17 +69,14 @@ def path(radius: float, size: float, points: int, resolution: float) -> xr.Datas
     )
 
 
-def maugis_work(parameter: float) -> float:
+def maugis_work(sphere: MaugisDugdale) -> float:
     """∫−F dδ from no force to the least approach, over (w⁵R⁴/E*²)^(1/3).
 
     D. Maugis, J. Colloid Interface Sci. 150, 243 (1992); above λ = 0.94 the sphere lets go at that approach.
     """
-    zone = np.exp(np.linspace(-9, 9, 20_000))
-    force, a = maugis_dugdale_contact(parameter, zone)
-    approach = a**2 - 4 / 3 * parameter * a * np.sqrt(zone * (zone + 2))
-    pulled = (force < 0) & (np.arange(zone.size) <= np.argmin(approach))
+    force, approach, _, held = sphere.curve(0.0, points=4000)
     # Forces in πwR, approaches in (3πw/4E*)^(2/3) R^(1/3).
-    return float(np.trapezoid(-force[pulled], -approach[pulled])) * np.pi * (3 * np.pi / 4) ** (2 / 3)
+    return float(np.trapezoid(-force[held], approach[held])) * np.pi * (3 * np.pi / 4) ** (2 / 3)
 
 
 main = program(

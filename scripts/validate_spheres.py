@@ -18,13 +18,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from scipy.optimize import brentq, minimize_scalar
 
 from bem_adhesion import Dugdale, HardWall, rough_contact
 from bem_adhesion.solution import Solution
 from contact_study.plots.style import COLOURS, DOUBLE, styled
 from scripts.harness import Option, head, per_cent, program, row, save, show
-from theory.references import maugis_dugdale_contact
+from theory import MaugisDugdale, maugis_of_tabor
 
 TABOR_PARAMETERS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
 FORCES = (2.0, 0.0)  # over πwR, at which radius and approach are compared
@@ -133,42 +132,11 @@ def print_hertz(errors: np.ndarray) -> None:
 
 
 @dataclass(frozen=True)
-class Maugis:
-    """Maugis' sphere at one λ, in his units: πwR for the force, (3πwR²/4E*)^(1/3) for the contact radius.
-
-    D. Maugis, J. Colloid Interface Sci. 150, 243 (1992); m is the outer over the inner radius of the process zone.
-    """
-
-    parameter: float
-
-    def state(self, log_excess: float) -> tuple[float, float, float]:
-        """Force, contact radius and approach at ln(m − 1)."""
-        zone = np.exp(log_excess)
-        force, a = map(float, maugis_dugdale_contact(self.parameter, zone))
-        return force, a, a**2 - 4 / 3 * self.parameter * a * float(np.sqrt(zone * (zone + 2)))
-
-    @property
-    def _at_pull_off(self) -> float:
-        search = {"bounds": (-12, 12), "method": "bounded", "options": {"xatol": 1e-10}}
-        return float(minimize_scalar(lambda x: self.state(x)[0], **search).x)
-
-    @property
-    def pull_off(self) -> float:
-        """Tension at which the sphere lets go under force control."""
-        return -self.state(self._at_pull_off)[0]
-
-    def at_force(self, force: float) -> tuple[float, float]:
-        """Contact radius and approach of the stable state."""
-        x = brentq(lambda x: self.state(x)[0] - force, -30, self._at_pull_off)
-        return self.state(x)[1:]
-
-
-@dataclass(frozen=True)
 class Sphere:
     """What was found of one sphere, in Maugis' units."""
 
     tabor: float
-    theory: Maugis
+    theory: MaugisDugdale
     ramp: float
     points: int
     points_per_zone: float
@@ -184,9 +152,9 @@ class Sphere:
         return 0.5 * (self.held + self.lost)
 
 
-def theory_of(tabor: float) -> Maugis:
-    """Maugis' λ = 2σ0 (9R/(16πwE*²))^(1/3) of a Tabor parameter."""
-    return Maugis(2 * tabor * (9 / (16 * np.pi)) ** (1 / 3))
+def theory_of(tabor: float) -> MaugisDugdale:
+    """The sphere of a Tabor parameter in Maugis' units, z₀ the range of the tension."""
+    return MaugisDugdale.of_parameter(float(maugis_of_tabor(tabor, relative_strength=1.0)))
 
 
 def solved(
@@ -198,7 +166,7 @@ def solved(
     unit, length = np.pi * work * radius, (3 * np.pi * work * radius**2 / 4) ** (1 / 3)
     theory = theory_of(tabor)
     # Room for the contact, and for the ring that the tension reaches.
-    size = 3.4 * max(theory.at_force(2.0)[0] * length, np.sqrt(2 * radius))
+    size = 3.4 * max(theory.at_force(2.0)[2] * length, np.sqrt(2 * radius))
     points = int(np.clip(2 * np.ceil(points_per_zone * size * work / 2), FEWEST_POINTS, most_points))
     height, _ = sphere(points, size, radius)
     contact = rough_contact(height, size, 1.0, Dugdale(work, 1.0, ramp), boundary="free")
@@ -218,7 +186,7 @@ def solved(
         return True
 
     # Coarse grids hold on for longer: a bracket for all of them.
-    held, lost = 0.9 * theory.pull_off, 1.6 * theory.pull_off
+    held, lost = -0.9 * theory.pull_off_force, -1.6 * theory.pull_off_force
     for force in (*FORCES, -0.5 * held, -held):
         if not at(force):
             raise RuntimeError(f"Tabor parameter {tabor:g}: let go at {force:g} already")
@@ -259,7 +227,7 @@ def read(path: Path) -> list[Sphere]:
 
 def pull_off_cells(found: Sphere) -> tuple[str, str, str]:
     """Pull-off force of the solver, of Maugis, and their difference."""
-    expected = found.theory.pull_off
+    expected = -found.theory.pull_off_force
     return f"{found.pull_off:.3f}", f"{expected:.3f}", per_cent(found.pull_off, expected)
 
 
@@ -267,7 +235,7 @@ def maugis_row(found: Sphere) -> str:
     """A sphere's line of the table."""
     cells = []
     for force, radius, approach in found.states[: len(FORCES)]:
-        own_radius, own_approach = found.theory.at_force(force)
+        _, own_approach, own_radius = found.theory.at_force(force)
         cells += [per_cent(radius, own_radius), f"{approach - own_approach:+.3f}"]
     first = f"{found.tabor:g}", f"{found.theory.parameter:.3g}", f"{found.ramp:g}", f"{found.points:.0f}²"
     return row(*first, f"{found.points_per_zone:.2g}", *pull_off_cells(found), *cells)
@@ -280,8 +248,7 @@ def maugis_figure(spheres: Sequence[Sphere]) -> Figure:
     figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     mu = np.geomspace(0.03, 8, 80)
-    ratio = spheres[0].theory.parameter / spheres[0].tabor
-    left.semilogx(mu, [Maugis(ratio * each).pull_off for each in mu], "0.5", label="Maugis")
+    left.semilogx(mu, [-theory_of(each).pull_off_force for each in mu], "0.5", label="Maugis")
     tabor = [each.tabor for each in spheres]
     left.plot(tabor, [each.pull_off for each in spheres], "o", color=COLOURS[0], ms=4, label="solver")
     for limit, name, at in ((1.5, "JKR", "bottom"), (2.0, "DMT", "top")):
@@ -292,8 +259,9 @@ def maugis_figure(spheres: Sequence[Sphere]) -> Figure:
     drawn = spheres[:: 1 + (len(spheres) - 1) // len(COLOURS)]
     for each, colour in zip(drawn, COLOURS, strict=False):
         points = np.array([state[:2] for state in each.states])
-        forces = np.linspace(-0.9999 * each.theory.pull_off, 2.0, 200)
-        right.plot(forces, [each.theory.at_force(force)[0] for force in forces], color=colour)
+        force, _, radius, _ = each.theory.curve(2.0)
+        stable = np.arange(force.size) >= np.argmin(force)
+        right.plot(force[stable], radius[stable], color=colour)
         right.plot(*points.T, "o", color=colour, ms=3.2, label=f"μ = {each.tabor:g}")
     right.set(xlabel="force / πwR", ylabel="contact radius / (3πwR²/4E*)$^{1/3}$")
     right.legend()

@@ -2,7 +2,8 @@
 
 A spectrum, a target, a table, a file (:func:`read_spectrum`) or that of a height array (:func:`spectrum_of`), a solid
 and a law or work of adhesion make a theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`,
-:func:`edge_flow`, and without adhesion :class:`NonAdhesiveTheory`. Contacts with analytic solutions are in
+:func:`edge_flow`, and without adhesion :class:`NonAdhesiveTheory`. Smooth spheres are
+:class:`Hertz`, :class:`JKR`, :class:`DMT` and :class:`MaugisDugdale`. Contacts with analytic solutions are in
 :mod:`theory.references`, criteria of sticking in :mod:`theory.criteria` (:func:`stickiness`). Whole studies are run by
 :func:`contact_study.run` or the command ``persson-theory``.
 """
@@ -17,6 +18,8 @@ from contact_study.physics.roughness.spectrum import (
     spectrum_of,
 )
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer
+from contact_study.physics.spheres import DMT, JKR, Hertz, MaugisDugdale, SphereCurve, SphereTheory
+from contact_study.physics.spheres.numbers import maugis_of_tabor, tabor_of_maugis
 from contact_study.study.tables import read_spectrum
 from theory.criteria import StickinessCriteria, stickiness
 from theory.edge_flow.flow import EdgeFlow, edge_flow
@@ -28,15 +31,19 @@ from theory.persson.separation import SeparationCurve, energy_defect, pull_off_p
 from theory.persson.theory import PerssonContact, PerssonTheory
 
 __all__ = [
+    "DMT",
+    "JKR",
     "EdgeFlow",
     "Elasticity",
     "GapDistribution",
     "GapFlow",
     "GapState",
     "HalfSpace",
+    "Hertz",
     "Layer",
     "LennardJones93",
     "LennardJones104",
+    "MaugisDugdale",
     "NonAdhesiveContact",
     "NonAdhesiveTheory",
     "PerssonContact",
@@ -45,6 +52,8 @@ __all__ = [
     "RoughnessSpectrum",
     "SelfAffineSpectrum",
     "SeparationCurve",
+    "SphereCurve",
+    "SphereTheory",
     "StickinessCriteria",
     "TabulatedSpectrum",
     "TractionLaw",
@@ -54,11 +63,13 @@ __all__ = [
     "energy_defect",
     "gap_distribution",
     "gap_flow",
+    "maugis_of_tabor",
     "pull_off_pressure",
     "read_spectrum",
     "separation_curve",
     "spectrum_of",
     "stickiness",
+    "tabor_of_maugis",
 ]
 
 
