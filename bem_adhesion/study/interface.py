@@ -8,6 +8,7 @@ from bem_adhesion.operators import Progress
 from bem_adhesion.solution import Solution
 from contact_study.numerics import life
 from contact_study.physics.solids import Elasticity
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState, SolverReport
 from contact_study.study.case import Case
 
@@ -37,10 +38,8 @@ def separation_of(solution: Solution, solid: Elasticity) -> float:
     return separation if yielded is None else separation - float(np.mean(yielded))
 
 
-def interface_state(
-    case: Case, solution: Solution, spacing: tuple[float, float], stiffness: float | None = None
-) -> InterfaceState:
-    """Return the state of a case's interface; ``spacing`` (m) along y and x, ``stiffness`` −dp/dū if known (Pa/m)."""
+def interface_state(case: Case, solution: Solution, surface: Surface, stiffness: float | None = None) -> InterfaceState:
+    """Return the state of a case's interface, on the heights of its surface; ``stiffness`` −dp/dū if known (Pa/m)."""
     gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation
     separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
     further = {} if stiffness is None else {"contact_stiffness": stiffness}
@@ -52,8 +51,9 @@ def interface_state(
         *(gap, pressure, touching, *numbers),
         report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
         restart={"state": solution.state},
-        spacing=spacing,
+        spacing=surface.grid.spacing,
         plastic_indentation=yielded,
         further=further,
         periodic=case.elasticity.boundary == "periodic",
+        highest_point=float(surface.sampled.max()),
     )

@@ -41,7 +41,7 @@ class OverdampedContact(AdhesiveContact):
     def __init__(self, case: Case, surface: Surface, allowed: float):
         options = solver_options(case, surface.grid.points)
         super().__init__(surface.sampled, surface.grid, case.solid, case.law, **options)
-        self._case, self._spacing = case, surface.grid.spacing
+        self._case, self._surface = case, surface
         self._allowed = allowed / self._length
         self._pairs = self._work.pairs  # at the last count of the work
 
@@ -96,7 +96,7 @@ class OverdampedContact(AdhesiveContact):
             stiffness = self.stiffness(found.solution) if found.at_rest else np.nan
         # Work since then belongs to this state, too: a run that resumes from it does not repeat it.
         solution = replace(found.solution, fft_pairs=found.solution.fft_pairs + self._count_work())
-        return interface_state(self._case, solution, self._spacing, stiffness)
+        return interface_state(self._case, solution, self._surface, stiffness)
 
     def _scaled(self, state: np.ndarray, load: float) -> tuple[np.ndarray, Load]:
         """Return gap and load in the units of the levels."""

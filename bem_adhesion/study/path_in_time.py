@@ -63,7 +63,7 @@ def path_in_time(
             if solution.converged:
                 passed.append(ledger_of(solution, moment.position, case.solid))
         state, now = solution.state, moment
-        found = interface_state(case, solution, surface.grid.spacing)
+        found = interface_state(case, solution, surface)
         yield replace(
             found,
             further={"time": now.time, "viscous_dissipation": now.dissipated},

@@ -44,7 +44,7 @@ def path_of_equilibria(
             ledger = passed[-1] if passed else ledger
         state = solution.state
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
-        found = interface_state(case, solution, surface.grid.spacing, stiffness)
+        found = interface_state(case, solution, surface, stiffness)
         if ledger is not None:
             losses = {"dissipated_energy": ledger.dissipated, "dissipated_energy_resolution_error": ledger.uncertain}
             found = replace(

@@ -14,6 +14,7 @@ from contact_study.plots.densities import (
     stress_distribution,
     surface_spectrum,
 )
+from contact_study.plots.force_curves import force_curve
 from contact_study.plots.maps import atoms, contact_map, gap_map, height_map, pressure_map, section
 from contact_study.plots.sweep_maps import criteria_map, deviations
 
@@ -26,6 +27,7 @@ __all__ = [
     "detachment_stress",
     "deviations",
     "effective_work_of_adhesion",
+    "force_curve",
     "gap_distribution",
     "gap_map",
     "height_map",

@@ -1,6 +1,7 @@
-"""Results of the equilibrium states that a path passes: pull-off, jump-in, work of separation.
+"""Results of the equilibrium states that a path passes: pull-off, jump-in, work of approach and of separation.
 
-Between two states the load does the work −∫p ds per area; a branch stores all of it as energy, a jump does not.
+Between two states the load does the work −∫p ds per area; a branch stores all of it as energy, a jump does not. With a
+spring in series the load acts on its far end, and the energy includes the spring's.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,12 +16,25 @@ UNACCOUNTED = 0.02  # share of the exchanged work and energy that a smooth step 
 _NOISE = 1e-6  # share of a path's largest energy below which a loss is an error of the solver, not a jump
 
 _WORK = "work of separation of the last retraction per nominal area, from zero pressure on"
+_GAINED = "work of the attraction on the load per nominal area, from separation to the first zero"
 PATH_RESULTS: dict[str, Variable] = {
     "pull_off_pressure": Variable("Pa", "pull-off pressure: lowest mean pressure in contact", ()),
     "jump_in_pressure": Variable("Pa", "mean pressure of the last state before the first jump-in", ()),
     "jump_in_separation": Variable("m", "mean separation of the last state before the first jump-in", ()),
+    "work_of_approach": Variable("J m-2", _GAINED, ()),
     "work_of_separation": Variable("J m-2", _WORK, ()),
+    "pull_off_force": Variable("N", "pull-off force: pull_off_pressure times the nominal area", ()),
+    "jump_in_force": Variable("N", "force before the first jump-in: jump_in_pressure times the nominal area", ()),
+    "approach_energy": Variable("J", "work_of_approach times the nominal area", ()),
+    "separation_energy": Variable("J", "work_of_separation times the nominal area", ()),
 }
+_TIMES_AREA = {
+    "pull_off_pressure": "pull_off_force",
+    "jump_in_pressure": "jump_in_force",
+    "work_of_approach": "approach_energy",
+    "work_of_separation": "separation_energy",
+}
+_ERROR = "_resolution_error"
 
 _PRESSURE, _SEPARATION, _ENERGY = range(3)
 
@@ -35,6 +49,16 @@ class PathSeries:
     states: np.ndarray
     ends_apart: bool = False  # whether the path has contact, but not at its end
     points: np.ndarray | None = None  # numbers of the path's own points, between which it goes one way; default all
+    begins_apart: bool = False  # whether the path begins without contact
+    compliance: float = 0.0  # of a spring in series, per area (m/Pa): the states are those of :func:`beyond_spring`
+
+
+def beyond_spring(states: np.ndarray, compliance: float) -> np.ndarray:
+    """Pressure, separation and energy (J/m²), shape (..., 3), at the far end of a spring of this compliance (m/Pa)."""
+    if not compliance:
+        return states
+    pressure = states[..., _PRESSURE]
+    return states + np.stack([0 * pressure, -compliance * pressure, 0.5 * compliance * pressure**2], axis=-1)
 
 
 def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -64,7 +88,7 @@ def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def path_results(series: PathSeries, control: str) -> dict[str, float]:
-    """Pull-off, jump-in and work of separation, by names of the schema, as far as the path has them.
+    """Pull-off, jump-in and works of approach and separation, by names of the schema, as far as the path has them.
 
     Under a prescribed pressure the surfaces detach below the pull-off pressure, and neither jump-in nor a finite work
     of separation exists. At a prescribed distance the path passes the lowest pressure.
@@ -76,7 +100,20 @@ def path_results(series: PathSeries, control: str) -> dict[str, float]:
     approach, retraction = _ways(series)
     found = _lowest_of_retraction(retraction)
     if series.states.shape[1] > _ENERGY:
-        found |= _jump_in(approach) | (_work_of_separation(retraction) if series.ends_apart else {})
+        found |= _jump_in(approach, series.compliance)
+        if series.begins_apart and approach[-1, _PRESSURE] >= 0:
+            lost, *jumps = _jumps(approach)  # on the reversed way what is lost is gained
+            found |= _work_outwards("work_of_approach", approach[::-1], -lost[::-1], *(each[::-1] for each in jumps))
+        if series.ends_apart:
+            found |= _work_outwards("work_of_separation", retraction, *_jumps(retraction))
+    return found
+
+
+def with_forces(results: Mapping[str, float], area: float) -> dict[str, float]:
+    """Complete path results by forces (N) and energies (J) on a nominal area (m²), with their errors."""
+    found = dict(results)
+    for name, total in _TIMES_AREA.items():
+        found |= {f"{total}{end}": results[name + end] * area for end in ("", _ERROR) if name + end in results}
     return found
 
 
@@ -140,7 +177,7 @@ def _jumps(states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return lost, (lost > UNACCOUNTED * exchanged) & (lost > noise), undecided(states[:-1], states[1:])
 
 
-def _jump_in(states: np.ndarray) -> dict[str, float]:
+def _jump_in(states: np.ndarray, compliance: float) -> dict[str, float]:
     """The last state before the first loss that the rule cannot make up, and how far the next one is."""
     lost, jumped, unknown = _jumps(states)
     # Where the pressure only rises or only falls the rule errs by no more than this: beside balance, where little is
@@ -149,16 +186,22 @@ def _jump_in(states: np.ndarray) -> dict[str, float]:
     if not proven.any():
         return {}
     first = int(np.argmax(proven))
-    before, after = states[first, _SEPARATION], states[first + 1, _SEPARATION]
-    return {
-        "jump_in_pressure": float(states[first, _PRESSURE]),
-        "jump_in_separation": float(before),
-        "jump_in_separation_resolution_error": float(before - after),
-    }
+    pressure, before, after = *states[first, :_ENERGY], states[first + 1, _SEPARATION]
+    found = {"jump_in_pressure": pressure, "jump_in_separation": before + compliance * pressure}
+    off = 0.0
+    if first and (way := states[first - 1, _SEPARATION] - before) > 0:
+        # Toward a fold, at the latest at the next state, the pressure goes as the root of the way that is left.
+        left = max(before - after, 0.0)
+        off = abs(pressure - states[first - 1, _PRESSURE]) * (np.sqrt(left * (left + way)) + left) / way
+        found["jump_in_pressure_resolution_error"] = off
+    found["jump_in_separation_resolution_error"] = before - after + compliance * off
+    return {name: float(value) for name, value in found.items()}
 
 
-def _work_of_separation(states: np.ndarray) -> dict[str, float]:
-    """∫−p ds of a retraction from p = 0 on: the energy stored by its branches plus the losses of its jumps.
+def _work_outwards(
+    name: str, states: np.ndarray, lost: np.ndarray, jumped: np.ndarray, unknown: np.ndarray
+) -> dict[str, float]:
+    """∫−p ds of a way outwards from p = 0 on: the energy stored by its branches plus the losses of its jumps.
 
     The work is the energy of full separation, zero, minus that at p = 0, plus the jumps. A sum of p ds would add the
     errors of the trapezoidal rule along the branches.
@@ -166,8 +209,7 @@ def _work_of_separation(states: np.ndarray) -> dict[str, float]:
     pressure, separation, energy = states.T
     if pressure.size < 2 or not (pressure < 0).any():
         return {}
-    lost, jumped, unknown = _jumps(states)
-    first, begun = 0, float(energy[0])
+    first, begun, across = 0, float(energy[0]), 0.0
     balances = np.flatnonzero((pressure[:-1] >= 0) & (pressure[1:] < 0))
     if balances.size:
         before, first = int(balances[-1]), int(balances[-1]) + 1
@@ -175,24 +217,27 @@ def _work_of_separation(states: np.ndarray) -> dict[str, float]:
         balance = separation[before] + share * (separation[first] - separation[before])
         nearer = first if jumped[before] or -pressure[first] <= pressure[before] else before
         begun = float(energy[nearer] + 0.5 * pressure[nearer] * (separation[nearer] - balance))
+        if jumped[before]:
+            across = float(unknown[before])
     lost, jumped, unknown = lost[first:], jumped[first:], unknown[first:]
     return {
-        "work_of_separation": float(lost[jumped].sum()) - begun,
-        "work_of_separation_resolution_error": float(unknown[jumped].sum() + abs(lost[~jumped].sum())),
+        name: float(lost[jumped].sum()) - begun,
+        name + _ERROR: float(across + unknown[jumped].sum() + abs(lost[~jumped].sum())),
     }
 
 
-def series_of(steps: Sequence[Mapping[str, Any]], control: str) -> PathSeries:
+def series_of(steps: Sequence[Mapping[str, Any]], control: str, compliance: float = 0.0) -> PathSeries:
     """Make the series of a path from the quantities of its points; passed states are used if all points have them."""
     touching = [step["relative_contact_area"] > 0 for step in steps]
     ends_apart = any(touching) and not touching[-1]
     if all("passed_pressure" in step for step in steps):
         states = np.stack([np.concatenate([step[f"passed_{name}"] for step in steps]) for name in PASSED], axis=-1)
         last = np.cumsum([len(step[f"passed_{PASSED[0]}"]) for step in steps]) - 1
+        states = beyond_spring(states, compliance)
         # A viscoelastic solid takes up work, so a loss is no jump.
         books = states if all("dissipated_energy" in step for step in steps) else states[:, :_ENERGY]
         # A point that did not converge may have passed none.
-        return PathSeries(books, ends_apart, np.unique(last[last >= 0]))
+        return PathSeries(books, ends_apart, np.unique(last[last >= 0]), not touching[0], compliance)
     load = "applied_pressure" if control == "pressure" else "mean_pressure"
     known = [
         (step[load], np.inf if step["detached"] else step["mean_separation"]) for step in steps if step["converged"]

@@ -83,6 +83,7 @@ class InterfaceState:
     further: Mapping[str, float] = field(default_factory=dict)  # what only its model has, by names in a dataset
     atoms: Mapping[str, np.ndarray] = field(default_factory=dict)  # one by one, where the study asks for them
     periodic: bool = True  # whether the map continues at its opposite edges; False for free boundaries
+    highest_point: float | None = None  # of the rigid surface, above its mean plane (m)
 
 
 @dataclass(frozen=True)

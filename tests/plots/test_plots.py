@@ -364,3 +364,42 @@ def test_states_without_a_map_are_refused():
         plots.stress_by_magnification(magnified())
     with pytest.raises(ValueError, match="nothing is in contact"):
         plots.stress_by_magnification(magnified().isel(step=0) * 0)
+
+
+def probe(**further):
+    """A sphere on 2 nm² that turns at 3 nm, prescribed through a spring of 1 N/m."""
+    approach, force = np.array([-1.0, 1.0, 3.0, 1.0, -2.0]) * 1e-9, np.array([0.0, 0.5, 2.0, 0.0, -0.5]) * 1e-9
+    displacement = approach - force
+    found = path(force / 2e-18, [0, 1, 1, 1, 1], 5e-9 - displacement, np.zeros(5, int), total_force=force)
+    named = {"displacement": displacement, "approach": approach}
+    found = found.assign({name: ("step", values) for name, values in named.items()}).assign(further)
+    return found.assign_coords(applied_approach=("step", approach))
+
+
+def test_force_curves_show_the_way_in_dashed_and_the_way_out_solid():
+    axes = plots.force_curve(probe(pull_off_force=-0.5e-9))
+    inwards, outwards, mark, *_ = axes.lines
+    assert (inwards.get_linestyle(), outwards.get_linestyle()) == ("--", "-")
+    np.testing.assert_allclose(inwards.get_xdata(), [-1, 0.5, 1, 1, -1.5])  # nm
+    np.testing.assert_allclose(inwards.get_ydata(), [0, 0.5, 2, np.nan, np.nan])  # nN
+    np.testing.assert_allclose(outwards.get_ydata(), [np.nan, np.nan, 2, 0, -0.5])
+    assert [*mark.get_xdata(), *mark.get_ydata()] == pytest.approx([-1.5, -0.5])
+    assert mark.get_label() == "pull-off 0.5 nN"
+    assert axes.get_xlabel() == r"displacement $\delta$ (nm)"
+    np.testing.assert_allclose(plots.force_curve(probe(), against="approach").lines[0].get_xdata(), [-1, 1, 3, 1, -2])
+    with pytest.raises(ValueError, match="must be 'displacement' or 'approach'"):
+        plots.force_curve(probe(), against="gap")
+
+
+def test_force_curves_show_all_states_that_adaptive_steps_passed():
+    passed = np.full((5, 2), np.nan)
+    passed[:, -1] = probe()["mean_pressure"]
+    separation = passed.copy()
+    separation[:, -1] = probe()["mean_separation"]
+    passed[2, 0], separation[2, 0] = 0.5e9, 4e-9  # 1 nN at a displacement of 1 nm, machine at 2 nm
+    names = {"passed_pressure": passed, "passed_separation": separation}
+    found = probe(**{name: (("step", "passed"), values) for name, values in names.items()})
+    for against, x in (("displacement", 1.0), ("approach", 2.0)):
+        line = plots.force_curve(found, against=against).lines[0]
+        np.testing.assert_allclose([line.get_xdata()[2], line.get_ydata()[2]], [x, 1.0])
+        assert len(line.get_xdata()) == 6

@@ -27,6 +27,7 @@ def state(**changes):
         "spacing": (2e-10, 1e-10),
         "further": {"contact_stiffness": 3e18, "dissipated_energy": 0.02},
         "passed": np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]]),
+        "highest_point": 3e-10,
     }
     return InterfaceState(**{**content, **changes})
 
@@ -44,6 +45,8 @@ def test_observables_of_a_state_made_by_hand():
     np.testing.assert_allclose(pairs[~np.isnan(pairs)], [1 / 6])
     assert found == {
         "mean_separation": 2.2e-10,
+        "displacement": pytest.approx(0.8e-10, rel=1e-12),
+        "contact_radius": pytest.approx(np.sqrt(3 * 2e-20 / np.pi), rel=1e-12),
         "relative_contact_area": 3 / 6,
         "relative_repulsive_area": 3 / 6,
         "elastic_energy": 0.3,

@@ -1,10 +1,12 @@
 """What a path tells of adhesion, on series in closed form: flat surfaces under a 10-4 law, a contact that jumps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from contact_study.physics.laws import LennardJones104
-from contact_study.results.path_results import PathSeries, path_results, series_of
+from contact_study.results.path_results import PathSeries, beyond_spring, path_results, series_of, with_forces
 
 LAW = LennardJones104(0.69, 3.28e-10)
 
@@ -76,6 +78,57 @@ def test_what_the_rule_leaves_and_where_a_jump_lies_is_the_error_of_the_work():
     jump = path_results(known, "gap")
     assert jump["work_of_separation"] == pytest.approx(2.0 + 0.62)  # ½ (1 + 0.2) 0.2 and the half that was stored
     assert jump["work_of_separation_resolution_error"] == pytest.approx(0.5 * 0.8 * 0.2)
+
+
+def test_approach_gains_what_separation_takes_less_what_jumps_lose():
+    """A reversible path gains its work of adhesion; one that jumps in gains less by the loss."""
+    gaps = there_and_back(3e-10, 2e-9)
+    both = path_results(replace(flat(gaps), begins_apart=True), "gap")
+    assert both["work_of_approach"] == pytest.approx(both["work_of_separation"], rel=1e-9)
+    assert "work_of_approach" not in path_results(flat(gaps), "gap"), "the way to the first state is not known"
+    # In by −1 from 4 to 2, a jump that loses 0.4 at constant separation, by springs of 4 to p = 1, and back by 2.
+    separation, pressure = [4.0, 3.0, 2.0, 2.0, 1.5, 1.25, 1.5, 2.0], [-1.0, -1.0, -1.0, -2.0, 0.0, 1.0, 0.0, -2.0]
+    energy = [-0.5, -1.5, -2.5, -2.9, -3.4, -3.275, -3.4, -2.9]
+    known = replace(series(pressure, separation, energy), begins_apart=True)
+    assert path_results(known, "gap")["work_of_approach"] == pytest.approx(0.5 + 2 + 0.5)
+
+
+def test_the_spring_of_a_machine_is_in_the_books_of_its_jumps():
+    """A body of two branches, p = 0 and p = −2 from s = 1 on, snaps in on a spring of compliance one by its length."""
+    body = np.array([[0.0, 2.0, 0.0], [0.0, 1.0, 0.0], [-2.0, -1.0, -4.0]])
+    far = beyond_spring(body, 1.0)
+    assert far.tolist() == [[0, 2, 0], [0, 1, 0], [-2, 1, -2]]  # ½ p² of energy, extended by 2
+    assert beyond_spring(far, -1.0).tolist() == body.tolist()
+    found = path_results(PathSeries(np.concatenate([far, [[-2.0, 0.9, -2.2]]]), compliance=1.0), "approach")
+    assert found["jump_in_separation"] == 1.0, "that of the surfaces"
+    assert found["jump_in_pressure"] == 0.0
+
+
+@pytest.mark.parametrize("left", [0.0, 0.02, 0.04])
+def test_pressure_at_a_fold_is_within_its_error(left):
+    """p = −√(s − 1) − 1 folds at s = 1; the last state is some way before it and the next one 0.04 beyond that."""
+    last = 1 + left
+    separation = np.array([1.5, last + 0.1, last, last - 0.04])
+    branch = -np.sqrt(separation[:3] - 1) - 1
+    pressure, energy = np.append(branch, -9.0), np.array([0.0, 0.0, 0.0, -9.0])
+    for i in range(1, 3):
+        energy[i] = energy[i - 1] - 0.5 * (pressure[i] + pressure[i - 1]) * (separation[i] - separation[i - 1])
+    found = path_results(series(pressure, separation, energy), "gap")
+    assert found["jump_in_pressure"] == branch[2]
+    # Exact where the fold is at the next state, but for rounding.
+    assert abs(branch[2] + 1) <= found["jump_in_pressure_resolution_error"] * (1 + 1e-12) < 0.5
+
+
+def test_forces_and_energies_are_those_of_the_nominal_area():
+    found = path_results(flat(there_and_back(3e-10, 2e-9)), "gap")
+    total = with_forces(found, 2e-12)
+    assert found.items() <= total.items()
+    for name, force in (("pull_off_pressure", "pull_off_force"), ("work_of_separation", "separation_energy")):
+        for end in ("", "_resolution_error"):
+            assert total[force + end] == 2e-12 * found[name + end]
+    assert set(total) - set(found) == {
+        f"{name}{end}" for name in ("pull_off_force", "separation_energy") for end in ("", "_resolution_error")
+    }
 
 
 def test_states_between_the_points_of_a_path_are_no_turns():

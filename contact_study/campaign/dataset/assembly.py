@@ -1,5 +1,6 @@
 """Assemble the groups of one dataset from the values of every case."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ from contact_study.campaign.store.case_file import CaseFile
 from contact_study.numerics.distributions import Bins, redistributed
 from contact_study.results import schema
 from contact_study.results.observables import RELATIVE_DISTANCE
-from contact_study.results.path_results import PATH_RESULTS, path_results, series_of
+from contact_study.results.path_results import PATH_RESULTS, path_results, series_of, with_forces
 from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, quantity_of, variable_of
 from contact_study.study.case import Case
 from contact_study.study.study import Study
@@ -63,7 +64,8 @@ def _read(case: Case, source: CaseSource, bins: Bins, rebinned: list[int]) -> _C
         # A longer path may have lost a path result of the shorter one.
         for name in [name for name in constants if name.removesuffix(schema.RESOLUTION_ERROR) in PATH_RESULTS]:
             del constants[name]
-        constants |= path_results(series_of(steps, control), control)
+        cell = case.surface.cell(case.directory)
+        constants |= with_forces(path_results(series_of(steps, control), control), math.prod(cell or ()))
     return case.index, constants, steps
 
 

@@ -13,6 +13,7 @@ PICTURES = {
     "area": ("contact_area", False, False, "contact area against pressure"),
     "gap": ("mean_gap", False, False, "mean gap against pressure"),
     "loop": ("hysteresis_loop", True, False, "pressure against separation, loading and unloading"),
+    "force": ("force_curve", False, False, "force against displacement, approach and retraction"),
     "map": ("gap_map", True, True, "local gap"),
     "pressure": ("pressure_map", True, True, "local pressure"),
     "contact": ("contact_map", True, True, "contact and its clusters"),

@@ -1,5 +1,7 @@
 """Area and edge of the contact."""
 
+import math
+
 import numpy as np
 
 from contact_study.numerics.distributions import Bins
@@ -28,6 +30,7 @@ def _area(state: InterfaceState, _: Bins) -> dict[str, Value]:
     if state.spacing is not None:
         dy, dx = state.spacing
         along_x, along_y = sides["contact"]
+        values["contact_radius"] = math.sqrt(np.count_nonzero(state.contact) * dy * dx / math.pi)
         values["contact_perimeter"] = np.pi / 4 * (along_x * dx + along_y * dy) / (state.contact.size * dy * dx)
     return values
 
@@ -39,6 +42,7 @@ AREA = Observable(
         "relative_repulsive_area": Variable("1", "area under positive pressure over nominal area"),
         "corrected_contact_area": Variable("1", f"contact area {_CORRECTED}"),
         "corrected_repulsive_area": Variable("1", f"area under positive pressure {_CORRECTED}"),
+        "contact_radius": Variable("m", "radius of a circle of the contact area"),
         "contact_perimeter": Variable("m-1", "length of the contact's edge, assumed isotropic, over nominal area"),
     },
     _area,

@@ -23,6 +23,8 @@ def _mechanics(state: InterfaceState, bins: Bins) -> dict[str, Value]:
     }
     if state.spacing is not None:
         values["total_force"] = pressure * state.pressure.size * math.prod(state.spacing)
+    if state.highest_point is not None:
+        values["displacement"] = state.highest_point - state.mean_separation
     if state.passed is not None:
         values |= {f"passed_{name}": column for name, column in zip(PASSED, state.passed.T, strict=True)}
     if state.plastic_indentation is not None:
@@ -40,6 +42,12 @@ MECHANICS = Observable(
             "m",
             "distance of the mean planes of block and surface minus the equilibrium distance",
             "conjugate to the pressure; layer: plane of its undeformed surface",
+        ),
+        "displacement": noted(
+            "m",
+            "displacement of the body towards the surface beyond first touch",
+            "of its undeformed surface, from the equilibrium distance to the highest point on; periodic half-space: of "
+            "the mean plane of its surface; negative before",
         ),
         "passed_pressure": Variable(
             "Pa", "mean pressure of each state passed since the last point; detached: the load", _PASSED

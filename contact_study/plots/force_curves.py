@@ -1,0 +1,84 @@
+"""Force curves: the force on a body against its displacement, approach and retraction."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from contact_study.plots import style
+from contact_study.plots.selection import fit_states, lines, require
+from contact_study.plots.style import COLOURS, Unit, axes_of, picture
+
+# What the load prescribes, and its direction where the body approaches.
+_INWARDS = {"applied_approach": 1.0, "applied_pressure": 1.0, "applied_gap": -1.0}
+
+
+@picture("One of the boundary elements with their displacement.")
+def force_curve(dataset: xr.Dataset, axes: Axes | None = None, against: str = "displacement") -> Axes:
+    """Force over displacement, a line for each point of the sweep; approach dashed, retraction solid.
+
+    All states that adaptive steps passed are shown. A single curve has its pull-off marked.
+
+    Parameters
+    ----------
+    against : {"displacement", "approach"}, optional
+        Displacement of the body, or of the machine beyond its stiffness (``loading.machine_stiffness``).
+    """
+    if against not in ("displacement", "approach"):
+        raise ValueError(f"against = {against!r}: must be 'displacement' or 'approach'")
+    require(dataset, "total_force", against)
+    curves = [(words, *force_states(part, against)) for words, part in lines(dataset, against, "step")]
+    force = force_unit(style.largest(np.concatenate([y for _, _, y, _ in curves])))
+    length = style.length_unit(style.largest(np.concatenate([x for _, x, _, _ in curves])))
+    axes, turned = axes_of(axes), False
+    for number, (words, x, y, outwards) in enumerate(curves):
+        colour, named = COLOURS[number % len(COLOURS)], words
+        # A way out begins at the state before it.
+        for way, look in ((~outwards, "--"), (outwards | np.append(outwards[1:], False), "-")):
+            if np.isfinite(y[way]).any():
+                drawn = np.where(way, y, np.nan) / force.size
+                axes.plot(x / length.size, drawn, look, color=colour, lw=1.0, label=named or None)
+                named = ""
+        turned |= bool(outwards.any())
+    if len(curves) == 1 and "pull_off_force" in dataset and np.isfinite(dataset["pull_off_force"].values).all():
+        _, x, y, _ = curves[0]
+        lowest, value = int(np.nanargmin(y)), dataset["pull_off_force"].values.item()
+        label = f"pull-off {-value / force.size:.3g} {force.name}"
+        axes.plot(x[lowest] / length.size, value / force.size, "v", color=COLOURS[1], ms=5, zorder=4, label=label)
+    if turned:
+        for label, look in (("approach", "--"), ("retraction", "-")):
+            axes.plot([], [], look, color="#404040", lw=1.0, label=label)
+    style.add_legend(axes)
+    axes.axhline(0, color="#909090", lw=0.7, zorder=1)
+    what = r"displacement $\delta$" if against == "displacement" else "approach of the machine"
+    axes.set(xlabel=f"{what} ({length.name})", ylabel=f"force $F$ ({force.name})")
+    return axes
+
+
+def force_states(part: xr.Dataset, against: str = "displacement") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return displacement (m), force (N) and whether on a way outwards, of each state of one path in contact or before.
+
+    ``against`` is as in :func:`force_curve`. States that did not converge or have detached are NaN.
+    """
+    fit = fit_states(part)
+    x, y = (np.where(fit, part[name].values, np.nan) for name in (against, "total_force"))
+    prescribed, way = next((part[name].values, sign) for name, sign in _INWARDS.items() if name in part.coords)
+    outwards = np.concatenate([[False], np.diff(way * prescribed) < 0])
+    if "passed_pressure" not in part or not fit.any():
+        return x, y, outwards
+    pressure, separation = (part[f"passed_{name}"].values for name in ("pressure", "separation"))
+    outwards = np.broadcast_to(outwards[:, None], pressure.shape)
+    known = np.isfinite(pressure) & np.isfinite(separation)
+    one = int(np.argmax(np.abs(np.nan_to_num(y))))  # the state of the largest force gives area and spring
+    scale = part["mean_pressure"].values[one]
+    area = y[one] / scale if scale else 0.0
+    x = (part["displacement"] + part["mean_separation"]).values[one] - separation
+    if against == "approach":
+        spring = (part["approach"] - part["displacement"]).values[one] / scale if scale else 0.0
+        x = x + spring * pressure
+    return x[known], area * pressure[known], outwards[known]
+
+
+def force_unit(most: float) -> Unit:
+    """The unit in which forces up to ``most`` (N) read well."""
+    sizes = (("kN", 1e3), ("N", 1.0), ("mN", 1e-3), ("µN", 1e-6), ("nN", 1e-9))
+    return next((Unit(name, size) for name, size in sizes if most >= size), Unit("pN", 1e-12))
