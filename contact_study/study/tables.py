@@ -119,16 +119,11 @@ def with_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
     section = table.get("theory", {})
     if not isinstance(section.get(_KEY), str):
         return dict(table)
-    beside = [name for name in ("wavevectors", "density") if name in section]
-    if beside:
-        raise InputError(f"theory.{_KEY} and theory.{beside[0]}: give the file or its numbers, not both")
     swept = table.get("sweep", {})
     asked = [holder[name] for holder, name in ((section, "spectrum"), (swept, "theory.spectrum")) if name in holder]
     if not any(FILE in _words(one) for one in asked):
         raise InputError(f'theory.{_KEY} is given, but theory.spectrum does not name "{FILE}"')
-    q, density = _columns(directory / section[_KEY], f"theory.{_KEY}", [section.get(name) for name in _UNIT_KEYS])
-    kept = {name: value for name, value in section.items() if name not in (_KEY, *_UNIT_KEYS)}
-    changed = {**table, "theory": {**kept, "wavevectors": q.tolist(), "density": density.tolist()}}
+    changed = {**table, "theory": _with_numbers(section, "theory", directory)}
     if "sweep" in table:
         changed["sweep"] = dict(swept)
     for holder, name in ((changed["theory"], "spectrum"), (changed.get("sweep", {}), "theory.spectrum")):
@@ -136,6 +131,23 @@ def with_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
             words = [TABLE if word == FILE else word for word in _words(holder[name])]
             holder[name] = words if isinstance(holder[name], list) or len(words) > 1 else words[0]
     return changed
+
+
+def with_drawn_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
+    """A study with the numbers of the file that ``surface.spectrum_path`` names."""
+    section = table.get("surface", {})
+    there = section.get("kind") == "spectrum" and isinstance(section.get(_KEY), str)
+    return {**table, "surface": _with_numbers(section, "surface", directory)} if there else dict(table)
+
+
+def _with_numbers(section: Mapping[str, Any], name: str, directory: Path) -> dict[str, Any]:
+    """A section with the numbers of the spectrum's file that it names."""
+    beside = [key for key in ("wavevectors", "density") if key in section]
+    if beside:
+        raise InputError(f"{name}.{_KEY} and {name}.{beside[0]}: give the file or its numbers, not both")
+    q, density = _columns(directory / section[_KEY], f"{name}.{_KEY}", [section.get(key) for key in _UNIT_KEYS])
+    kept = {key: value for key, value in section.items() if key not in (_KEY, *_UNIT_KEYS)}
+    return {**kept, "wavevectors": q.tolist(), "density": density.tolist()}
 
 
 def _words(spectrum: Any) -> list[Any]:
@@ -177,8 +189,9 @@ def _columns(path: Path, key: str, given: Sequence[Any]) -> tuple[np.ndarray, np
 def _factor(where: str, name: str, key: str, own: str | None, asked: Any, si: str) -> float:
     """Size of a column's unit in SI."""
     if own is None and asked is None:
+        section = where.partition(".")[0] if where.startswith("surface.") else "theory"
         raise InputError(
-            f'{where} does not say the unit of its {name}; give a header, "q (1/m), C (m^4)", or theory.{key}'
+            f'{where} does not say the unit of its {name}; give a header, "q (1/m), C (m^4)", or {section}.{key}'
         )
     # As keys spell it: 1/m and m-1 are m^-1, m4 is m^4.
     words = [re.sub(r"^1\s*/\s*([^\W\d]+)$", r"\1^-1", str(unit).strip()) for unit in (own, asked) if unit]

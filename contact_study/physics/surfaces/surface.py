@@ -34,7 +34,7 @@ class Surface(ABC):
 
     size: tuple[float, float]  # periods along y and x (m)
     shape: tuple[int, int]  # points of the continuum grid
-    spectrum: SelfAffineSpectrum | None  # target of a random one
+    spectrum: RoughnessSpectrum | None  # target of a random one
 
     @abstractmethod
     def heights(self, shape: tuple[int, int]) -> np.ndarray:
@@ -64,7 +64,8 @@ class Surface(ABC):
     def roughness(self) -> Roughness:
         """Description of this surface on the continuum grid, of a measured one on the grid of its map."""
         target = self.spectrum
-        return roughness_of(self.sampled, self.grid, None if target is None else (target.roll_off, target.cutoff))
+        made_by = (target.roll_off, target.cutoff) if isinstance(target, SelfAffineSpectrum) else None
+        return roughness_of(self.sampled, self.grid, made_by)
 
     def measured_spectrum(self) -> RadialSpectrum:
         """Radial spectrum of this very surface."""
@@ -122,30 +123,49 @@ def gaussian_surface(
     The order makes the surface of a seed independent of ``shape`` and keeps its long waves when only the cutoff grows.
     The *expected* mean square on these modes is rms_height², with ``exact_height`` that of the sample.
     """
+    waves = waves_between(size, spectrum.low, spectrum.cutoff)
+    if waves.q.size == 0:
+        raise InputError("surface: no mode between low_mode and cutoff_mode fits the cell")
+    draws = np.random.default_rng(seed).standard_normal((waves.q.size, 2))
+    variance = spectrum.density(np.clip(waves.q, spectrum.low, spectrum.cutoff))
+    variance = variance * spectrum.rms_height**2 / (2 * variance.sum())  # each mode and its conjugate
+    amplitude = np.sqrt(variance / 2) * (draws[:, 0] + 1j * draws[:, 1])
+    if exact_height:
+        amplitude *= spectrum.rms_height / np.sqrt(2 * np.sum(np.abs(amplitude) ** 2))
+    return BandLimitedSurface(size, shape, spectrum, waves.coefficients(amplitude), waves.native)
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Modes of a cell, one of each conjugate pair, in order of |q|."""
+
+    m_y: np.ndarray  # waves along each side
+    m_x: np.ndarray
+    q: np.ndarray  # |q| (1/m)
+    native: tuple[int, int]  # the smallest grid for all of them
+
+    def coefficients(self, amplitude: np.ndarray) -> np.ndarray:
+        """Arrange complex amplitudes in the layout of ``rfft2`` on the native grid."""
+        rows, columns = self.native
+        coefficients = np.zeros((rows, columns // 2 + 1), complex)
+        coefficients[self.m_y % rows, self.m_x] = amplitude
+        on_axis = self.m_x == 0
+        coefficients[-self.m_y[on_axis] % rows, 0] = np.conj(amplitude[on_axis])
+        return coefficients
+
+
+def waves_between(size: tuple[float, float], low: float, high: float) -> Waves:
+    """Modes of a cell (y, x; m) between two wavevectors (1/m)."""
     unit_y, unit_x = 2 * np.pi / size[0], 2 * np.pi / size[1]
     # A mode on the limit belongs to the set whatever the rounding of 2π.
-    highest, lowest = spectrum.cutoff * (1 + 1e-9), spectrum.low * (1 - 1e-9)
+    highest, lowest = high * (1 + 1e-9), low * (1 - 1e-9)
     rows, columns = int(highest / unit_y), int(highest / unit_x)
     m_y, m_x = np.meshgrid(np.arange(-rows, rows + 1), np.arange(columns + 1), indexing="ij")
     q = np.hypot(m_y * unit_y, m_x * unit_x)
     independent = (q >= lowest) & (q <= highest) & ((m_x > 0) | (m_y > 0))
     m_y, m_x, q = m_y[independent], m_x[independent], q[independent]
-    if q.size == 0:
-        raise InputError("surface: no mode between low_mode and cutoff_mode fits the cell")
     order = np.lexsort((m_x, m_y, np.round(q / min(unit_y, unit_x), 9)))
-    m_y, m_x, q = m_y[order], m_x[order], q[order]
-    draws = np.random.default_rng(seed).standard_normal((q.size, 2))
-    variance = spectrum.density(np.clip(q, spectrum.low, spectrum.cutoff))
-    variance = variance * spectrum.rms_height**2 / (2 * variance.sum())  # each mode and its conjugate
-    amplitude = np.sqrt(variance / 2) * (draws[:, 0] + 1j * draws[:, 1])
-    if exact_height:
-        amplitude *= spectrum.rms_height / np.sqrt(2 * np.sum(np.abs(amplitude) ** 2))
-    native = (2 * rows + 1, 2 * columns + 1)
-    coefficients = np.zeros((native[0], columns + 1), complex)
-    coefficients[m_y % native[0], m_x] = amplitude
-    on_axis = m_x == 0
-    coefficients[-m_y[on_axis] % native[0], 0] = np.conj(amplitude[on_axis])
-    return BandLimitedSurface(size, shape, spectrum, coefficients, native)
+    return Waves(m_y[order], m_x[order], q[order], (2 * rows + 1, 2 * columns + 1))
 
 
 def gaussian_peak_to_valley(rms_height: float, rms_slope: float, area: float) -> float:

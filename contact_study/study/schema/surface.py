@@ -10,7 +10,9 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
-from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, TabulatedSpectrum
+from contact_study.physics.roughness.measurement import SAMPLED
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum, SelfAffineSpectrum, TabulatedSpectrum
+from contact_study.physics.surfaces import drawn
 from contact_study.physics.surfaces import surface as made
 from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface, SurfaceScales, spectrum_of_waves
 from contact_study.study.schema import keys
@@ -58,7 +60,7 @@ class SurfaceSection(ABC):
         return None
 
     @property
-    def target_spectrum(self) -> SelfAffineSpectrum | None:
+    def target_spectrum(self) -> RoughnessSpectrum | None:
         """The spectrum that a random surface is a sample of."""
         return None
 
@@ -147,14 +149,12 @@ class MapFile(SurfaceSection):
     }
     height_key = "surface.height_unit"
 
-    path: str = key(TEXT, "height map, relative to the study file: NetCDF, npy, npz, text or an instrument's")
+    path: str = key(TEXT, "height map: NetCDF, npy, npz, text or an instrument's")
     channel: str | int | None = key(
         keys.NAME_OR_NUMBER, "name or number, from 0, of the map in a file that holds several", None
     )
     height_unit: str | None = key(TEXT, "unit of the map's heights where its file does not say, default m", None)
-    lateral_unit: str | None = key(
-        TEXT, "unit of the map's x and y or cell size where its file does not say, default m", None
-    )
+    lateral_unit: str | None = key(TEXT, "unit of the map's x and y where its file does not say, default m", None)
     crop: tuple[tuple[float, float], tuple[float, float]] | None = key(
         pair(pair(quantity("m", minimum=0.0), names="[from, to]")), "part of the map that is taken", None
     )
@@ -166,7 +166,7 @@ class MapFile(SurfaceSection):
     fill: str = key(choice("none", "harmonic"), "missing heights: refused, or continued from around them", "none")
     edges: str = key(
         choice("periodic", "mirror", "window"),
-        "edges: as they are, joined to mirror images (twice the sides) or faded to the mean",
+        "edges: as they are, joined to mirror images or faded to the mean",
         "periodic",
     )
     window_share: float = key(keys.SHARE, 'share of each side over which edges = "window" fades them', 0.2)
@@ -206,6 +206,79 @@ def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> ma
     """Read and prepare a map once for the realisation and the scales; ``state`` identifies the file's content."""
     whole = read_height_map(path, section.height_unit, section.size, section.channel, section.lateral_unit)
     return made.prepared_map(path, whole, section)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnSurface(MapFile):
+    """A random surface of a tabulated power spectrum, below the long waves of a measured map if there is one."""
+
+    words = "rigid, periodic, randomly rough: drawn from a tabulated power spectrum, {size}"
+    height_key = "surface.spectrum_path"
+
+    path: str | None = key(TEXT, "measured map of the long waves, kept down to lowpass; default none", None)  # type: ignore[assignment]
+    spectrum_path: str | None = key(TEXT, "power spectrum: NetCDF, or text with q and C(q) a row", None)
+    wavevector_unit: str | None = key(TEXT, "unit of its q, where the file does not say it", None)
+    density_unit: str | None = key(TEXT, "unit of its C(q), where the file does not say it", None)
+    wavevectors: tuple[float, ...] | None = key(keys.sequence(keys.PER_METRE), "rising wavevectors q of a table", None)
+    density: tuple[float, ...] | None = key(
+        keys.sequence(quantity("m^4", positive=True)), "C(q) at each, a power law between two, zero outside", None
+    )
+    seed: int = key(integer(0), "random realisation", 1)
+    shortest_wave: float | None = key(METRES, "shortest wavelength that is drawn; default two grid spacings", None)
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.spectrum_path is not None:
+            raise InputError("surface.spectrum_path: one table a study; it cannot be swept or overridden")
+        if self.wavevectors is None or self.density is None:
+            raise InputError('missing key surface.spectrum_path: kind = "spectrum" needs the file of a spectrum')
+        try:
+            _ = self.table
+        except ValueError as error:
+            raise InputError(f"surface.{error}") from None
+        if self.path is not None:
+            return
+        for name in ("size", "shape"):
+            if getattr(self, name) is None:
+                raise InputError(f'missing key surface.{name}: kind = "spectrum" needs it, or a map (surface.path)')
+        for name in keys.keys_of(MapFile):
+            if name not in ("kind", "size", "shape") and getattr(self, name) != keys.default_of(DrawnSurface, name):
+                raise InputError(f"surface.{name}: belongs to a measured map, surface.path; leave it out, or give one")
+
+    @cached_property
+    def table(self) -> TabulatedSpectrum:
+        return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
+
+    @property
+    def map_path(self) -> str | None:  # type: ignore[override]
+        return self.path
+
+    @cached_property
+    def target_spectrum(self) -> RoughnessSpectrum | None:
+        if self.path is not None or self.size is None or self.shape is None:
+            return None
+        waves, variance = drawn.drawn_waves(self.table, self.size, self.shape, self.shortest_wave)
+        return spectrum_of_waves(waves.q, variance)
+
+    def cell(self, directory: Path) -> tuple[float, float]:
+        return self.size if self.path is None and self.size else super().cell(directory)
+
+    def realise(self, directory: Path) -> Surface:
+        whole = None if self.path is None else self.measured(directory)
+        size, shape = (whole.grid.size, self.shape or whole.grid.shape) if whole else (self.size, self.shape)
+        assert size is not None
+        assert shape is not None
+        waves, variance = drawn.drawn_waves(self.table, size, shape, self.shortest_wave)
+        surface = drawn.drawn_surface(waves, variance, size, shape, self.seed)
+        if whole is None:
+            return surface
+        return drawn.conditioned_surface(whole, surface, self.lowpass or SAMPLED * max(whole.grid.spacing))
+
+    def scales(self, directory: Path) -> SurfaceScales:
+        if self.target_spectrum is not None and self.size is not None and self.shape is not None:
+            return drawn.scales_of(self.target_spectrum, self.size, self.shape)
+        surface = self.realise(directory)
+        return drawn.scales_of(surface.measured_spectrum(), surface.size, surface.shape)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -319,6 +392,14 @@ class AbsentSurface(SurfaceSection):
 
 
 SURFACES = keys.TaggedUnion(
-    "kind", {"self_affine": SelfAffine, "file": MapFile, "sphere": Sphere, "wavy": Wavy, "flat": Flat}
+    "kind",
+    {
+        "self_affine": SelfAffine,
+        "file": MapFile,
+        "spectrum": DrawnSurface,
+        "sphere": Sphere,
+        "wavy": Wavy,
+        "flat": Flat,
+    },
 )
 register_surface = SURFACES.register
