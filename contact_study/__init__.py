@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from contact_study.inputs.errors import InputError
     from contact_study.results.schema import register_observable
     from contact_study.study.case import realise
+    from contact_study.study.schema.bodies import composite_surface
     from contact_study.study.schema.elasticity import register_solid
     from contact_study.study.schema.interaction import register_law
     from contact_study.study.schema.surface import register_surface
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "InputError",
     "__version__",
+    "composite_surface",
     "make_study",
     "read_study",
     "realise",
@@ -36,6 +38,7 @@ __all__ = [
 
 _MODULES = {
     "InputError": "inputs.errors",
+    "composite_surface": "study.schema.bodies",
     "make_study": "study.study",
     "read_study": "study.study",
     "realise": "study.case",

@@ -19,6 +19,7 @@ from contact_study.report.align import regime
 from contact_study.report.align.regime import MEANINGS
 from contact_study.results import observables, schema
 from contact_study.results.schema import CONSTANTS, COORDINATES, OF_A_MEAN, VARIABLES
+from contact_study.study.schema.bodies import ADDED
 from contact_study.study.schema.dotted_keys import SECTIONS, all_keys
 from contact_study.study.schema.keys import TaggedUnion, as_written, keys_of
 from scripts.harness import ROOT, Option, head, program
@@ -42,12 +43,17 @@ def _variables() -> Iterable[str]:
 def _keys() -> Iterable[str]:
     section = None
     for own, name, declaration, default in all_keys():
+        if SECTIONS[own] is ADDED and name != ADDED.tag:
+            continue
         if own != section:
             section = own
             yield from ("", f"**`[{section}]`**", "", head("key", "kind", "default", "meaning"))
         given = default not in (None, dataclasses.MISSING)
         shown = f"`{as_written(default)}`" if given else ""
-        yield f"| `{name}` | {_cell(declaration.kind)} | {shown} | {_cell(declaration.description)} |"
+        meaning = _cell(declaration.description)
+        if SECTIONS[own] is ADDED:
+            meaning += f"; its keys are those of `[surface]`, whose {', '.join(ADDED.inherited)} are the defaults here"
+        yield f"| `{name}` | {_cell(declaration.kind)} | {shown} | {meaning} |"
 
 
 # Symbols of the field, each with the quantity of a dataset, the key of a study ("section.key") or the number of a

@@ -18,6 +18,7 @@ from contact_study.campaign.run import RunOptions, run_campaign
 from contact_study.campaign.store.files import check_inputs_kept, named_file
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.arguments import field
+from contact_study.study.schema.bodies import ADDED_SECTIONS
 from contact_study.study.study import Study, make_study, read_study, with_keys
 
 _HEIGHTS = "heights.npy"
@@ -103,7 +104,8 @@ def run(
             asked = _study(study, Path(folder))
             path = Path(folder) / "dataset.nc" if output is None else named_file(output)
             given = Path(study) if isinstance(study, str | Path) else None
-            check_inputs_kept(path, [given, start, *(case.height_map for case in asked.cases)])
+            maps = (one for case in asked.cases for one in case.height_maps.values())
+            check_inputs_kept(path, [given, start, *maps])
             options = RunOptions(resume, overwrite, workers, engine, scheduler)
             groups = run_campaign(chosen, asked, path, shown, words, start, options)
         except (InputError, CampaignError) as error:
@@ -121,22 +123,30 @@ def _study(study: Mapping[str, Any] | str | Path, folder: Path) -> Study:
     if not isinstance(study, Mapping):
         raise InputError(f"study = {study!r}: expected a mapping of sections or the path of a study file")
     study = with_keys(study)
-    surface = study.get("surface")
-    if not isinstance(surface, Mapping) or "heights" not in surface:
-        return make_study(_plain(study))
+    given = {
+        name: _saved(name, section, folder)
+        for name in ("surface", *ADDED_SECTIONS)
+        if isinstance(section := study.get(name), Mapping) and "heights" in section
+    }
+    return make_study(_plain({**study, **given}), folder) if given else make_study(_plain(study))
+
+
+def _saved(name: str, section: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Save the heights of a section to a file; its keys with that file's."""
     for key in ("path", "height_unit"):
-        if key in surface:
-            raise InputError(f"surface.{key}: does not go with surface.heights, an array in m")
-    if surface.get("kind", "file") != "file":
-        raise InputError(f'surface.kind = {surface["kind"]!r}: surface.heights are a surface of kind "file"')
-    heights = surface["heights"]
+        if key in section:
+            raise InputError(f"{name}.{key}: does not go with {name}.heights, an array in m")
+    if section.get("kind", "file") != "file":
+        raise InputError(f'{name}.kind = {section["kind"]!r}: {name}.heights are a surface of kind "file"')
+    heights = section["heights"]
     try:
         heights = heights.m_as("m") if _is_quantity(heights) else heights
     except TypeError as error:  # pint's own
-        raise InputError(f"surface.heights: {error}") from None
-    np.save(folder / _HEIGHTS, field("surface.heights", heights))
-    others = {key: value for key, value in surface.items() if key != "heights"}
-    return make_study(_plain({**study, "surface": {**others, "kind": "file", "path": _HEIGHTS}}), folder)
+        raise InputError(f"{name}.heights: {error}") from None
+    file = _HEIGHTS if name == "surface" else f"{name}_{_HEIGHTS}"
+    np.save(folder / file, field(f"{name}.heights", heights))
+    others = {key: value for key, value in section.items() if key != "heights"}
+    return {**others, "kind": "file", "path": file}
 
 
 def _in_python(message: str) -> str:

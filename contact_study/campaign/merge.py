@@ -158,7 +158,7 @@ def _joined_run(sources: Sequence[_Source], along: Sequence[str]) -> Run:
             raise InputError(f"--along {dotted}: is no key that a study sweeps{suggestion(dotted, known)}")
     swept = dict.fromkeys(dotted for source in sources for dotted in source.run.study.table.get("sweep", {}))
     swept |= dict.fromkeys(along)
-    seeds = [{case.surface.realisation for case in source.run.study.cases} for source in sources]
+    seeds = [{case.geometry.realisation for case in source.run.study.cases} for source in sources]
     if all(len(own) == 1 and None not in own for own in seeds) and len(set.union(*seeds)) > 1:
         swept[_SEED] = None
     first = sources[0]

@@ -48,8 +48,9 @@ class Run:
         """Read the record of a run of this model from global attributes; an InputError does not name the dataset."""
         study, maps = recorded_study(attributes, directory), recorded_height_maps(attributes)
         for case in study.cases:
-            if case.height_map is not None and str(case.surface.map_path) not in maps:
-                raise InputError(f"does not record the content of its height map {case.surface.map_path}")
+            for path in case.height_maps:
+                if path not in maps:
+                    raise InputError(f"does not record the content of its height map {path}")
         return cls(model, study, maps, str(attributes.get("predictor", "")))
 
     @property
@@ -68,8 +69,8 @@ class Run:
         """Return every key that decides the numbers of a case, with its value in SI."""
         sections = [section for section in SECTIONS if section not in (*WHOLE_STUDY, *self.model.ignores)]
         values = {dotted: value for dotted, value in key_values(case, sections) if dotted not in _NOT_DECIDING}
-        if case.height_map is not None:
-            values["surface.path"] = f"a file of SHA-256 {self.height_maps[str(case.surface.map_path)]}"
+        for dotted, path in case.geometry.map_keys.items():
+            values[dotted] = f"a file of SHA-256 {self.height_maps[path]}"
         return values
 
     @cached_property
@@ -114,7 +115,7 @@ class Run:
 
 def prepare_run(model: Model, study: Study, start: Path | None = None) -> Run:
     """Describe the run of a model on a study; hashes the height maps and the predictor."""
-    maps = {str(case.surface.map_path): case.height_map for case in study.cases if case.height_map is not None}
+    maps = {name: path for case in study.cases for name, path in case.height_maps.items()}
     hashes = {name: content_hash(path) for name, path in maps.items()}
     return Run(model, study, hashes, f"{start.name} sha256:{content_hash(start)}" if start else "", start)
 

@@ -201,10 +201,12 @@ def _different(
 ) -> InputError:
     """Name the difference between an earlier case and the most similar case of this run."""
     differing = min((differences(values, other) for other in others), key=len)
-    if list(differing) == ["surface.path"] and case.height_map is not None:
-        one, two = (str(value).rpartition(" ")[2][:12] for value in differing["surface.path"])
+    maps = case.geometry.map_keys
+    if differing and differing.keys() <= maps.keys():
+        dotted = next(iter(differing))
+        one, two = (str(value).rpartition(" ")[2][:12] for value in differing[dotted])
         return NotKeptError(
-            f"the height map {case.surface.map_path} has changed since it was started (SHA-256 {one}… then, {two}… "
+            f"the height map {maps[dotted]} has changed since it was started (SHA-256 {one}… then, {two}… "
             "now); use another output, or --overwrite"
         )
     if {key.rpartition(".")[2] for key in differing} <= set(case.coordinates) & set(swept):

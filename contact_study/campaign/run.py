@@ -129,7 +129,7 @@ def _run_cases(
             run.study.bins,
             work.case_file(name).absolute(),
             predictor,
-            run.height_maps.get(str(case.surface.map_path), ""),
+            run.height_maps,
         )
         for case, name in zip(cases, run.case_names, strict=True)
     ]

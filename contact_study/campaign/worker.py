@@ -40,14 +40,14 @@ _TIME = "time"
 
 @dataclass(frozen=True)
 class Job:
-    """A case of a model, for a worker process; its height map by the SHA-256."""
+    """A case of a model, for a worker process; height maps by path and SHA-256."""
 
     model: Model
     case: Case
     bins: Bins
     file: Path
     predictor: Path | None
-    height_map: str
+    height_maps: Mapping[str, str]
 
     def missing(self, file: CaseFile) -> int:
         """Number of steps of the case that its file lacks."""
@@ -65,8 +65,9 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         )
     model, case = job.model, job.case
     require(model.needs(case))
-    if case.height_map is not None and content_hash(case.height_map) != job.height_map:
-        raise CampaignError(f"{case.height_map} has changed while the study ran")
+    for name, path in case.height_maps.items():
+        if content_hash(path) != job.height_maps[name]:
+            raise CampaignError(f"{path} has changed while the study ran")
     kept = CaseWriter(job.file, len(case.path), case.output.restart)
     with kept, _kept_warnings(case, kept) as keep_warnings, ExitStack() as listening:
         surface = realise(case)
@@ -74,7 +75,9 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             large = surface.grid.points >= getattr(model.code, "POINTS_FOR_THREADS", POINTS_FOR_THREADS)
             case = replace(case, solver=replace(case.solver, threads=threads if large else 1))
         if not kept.has_constants:
+            counter = case.material.counter_modulus
             constants = {
+                **({} if counter is None else {"counter_contact_modulus": counter}),
                 **({} if case.surface.absent else schema.roughness_values(surface.roughness)),
                 **({"interaction_length": case.law.length} if case.law.attracts else {}),
                 **model.code.constants(case, surface),

@@ -111,14 +111,16 @@ def _problem(inputs: Inputs) -> list[str | Both]:
     models = inputs.models
     sizes = [overview.constants_of(models, f"surface_size_{axis}") for axis in ("y", "x")]
     words: list[str | Both] = [" × ".join(_values(own, length) for own in sizes)] if all(sizes) else []
+    counter = any(case.material.counter_modulus is not None for case in inputs.cases)
     kinds: list[tuple[str, str, Callable[[float], str]]] = [
-        ("contact_modulus", "E*", partial(wording.pressure, digits=3)),
+        ("contact_modulus", "combined E* of two bodies" if counter else "E*", partial(wording.pressure, digits=3)),
         ("work_of_adhesion", "Δγ", lambda value: f"{number(value, 3)} J/m²"),
     ]
-    if any(case.surface.periodic for case in inputs.cases):
+    if any(case.geometry.periodic for case in inputs.cases):
         kinds = [("rms_height", "h_rms", length), ("rms_slope", "rms gradient", partial(number, digits=3)), *kinds]
     radii = sorted({getattr(case.surface, "radius", 0.0) for case in inputs.cases} - {0.0})
     words += [f"sphere of radius {_values(radii, length)}"] if radii else []
+    words += sorted({f"form: {case.form.kind}" for case in inputs.cases if case.form.kind != "none"})
     for name, symbol, show in kinds:
         if values := [value for value in overview.constants_of(models, name) if value]:
             words.append(f"{symbol} {_values(values, show)}")
@@ -254,6 +256,6 @@ def _uses_target(inputs: Inputs) -> bool:
     theories = [name for name in inputs.models if not entry_of(name).simulation]
     cases = {name: inputs.studies[entry_of(name).file].cases for name in theories}
     simulated = [case for name in inputs.simulations for case in inputs.studies[entry_of(name).file].cases]
-    return any(case.surface.realisation is not None for case in simulated) and any(
+    return any(case.geometry.realisation is not None for case in simulated) and any(
         (spectrum_of(name) or case.spectra[0]) == TARGET for name, own in cases.items() for case in own
     )

@@ -77,6 +77,7 @@ SITES: dict[str, Variable] = {
 # Quantities of a case that do not change along its path: interface, surface and grid, alike for every model.
 CONSTANTS: dict[str, Variable] = {
     "contact_modulus": Variable("Pa", "contact modulus", ()),
+    "counter_contact_modulus": Variable("Pa", "modulus E* of the second body, combined in contact_modulus", ()),
     "work_of_adhesion": Variable("J m-2", "work of adhesion", ()),
     "equilibrium_distance": Variable("m", "distance of flat surfaces without load", ()),
     "peak_tensile_stress": Variable("Pa", "largest tensile stress of flat surfaces (cohesive strength)", ()),

@@ -18,7 +18,9 @@ from contact_study.physics.laws.lennard_jones import work_of_adhesion
 from contact_study.physics.solids import Elasticity, Viscoelastic
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.study.schema import sections
+from contact_study.study.schema.bodies import composed
 from contact_study.study.schema.elasticity import ElasticitySection
+from contact_study.study.schema.form import FormSection
 from contact_study.study.schema.interaction import InteractionSection
 from contact_study.study.schema.surface import SurfaceSection
 
@@ -33,6 +35,9 @@ class Case:
 
     study: sections.StudySection
     surface: SurfaceSection
+    form: FormSection
+    detail: Any
+    counterface: Any
     material: sections.MaterialSection
     elasticity: ElasticitySection
     interaction: InteractionSection
@@ -49,7 +54,7 @@ class Case:
     directory: Path = Path(".")
 
     def __post_init__(self):
-        _ = self.solid  # raises where no solid has these constants
+        _ = self.solid, self.geometry  # raise where no solid has these constants, and nothing is there to add to
         lowest = min(self.loading.path)
         if not self.law.attracts and self.loading.control == "pressure" and lowest <= 0:
             raise InputError(
@@ -71,6 +76,11 @@ class Case:
             if control == "gap" and lowest <= 0:
                 raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
         self._check_time()
+        if self.material.counter_modulus is not None and not self.elasticity.may_be_free:
+            raise InputError(
+                f'material.counter_youngs_modulus: elasticity.kind = "{self.elasticity.kind}" has no combined modulus '
+                'with a second body; use "half_space" or "transversely_isotropic"'
+            )
         if free and control == "gap":
             raise InputError('loading.control = "gap": elasticity.boundary = "free" takes "pressure" or "approach"')
         if not free and control == "approach" and not self.solid.mean_compliance:
@@ -120,7 +130,7 @@ class Case:
     @property
     def spectra(self) -> tuple[str, ...]:
         """The roughness spectra that theories are fed with, the first one under their own names."""
-        own = ("surface",) if self.surface.target_spectrum is None else ("surface", "analytic")
+        own = ("surface",) if self.geometry.target_spectrum is None else ("surface", "analytic")
         return self.theory.spectra or own
 
     @property
@@ -144,8 +154,13 @@ class Case:
         return frozenset(points[number] for number in asked if -len(points) <= number < len(points))
 
     @cached_property
+    def geometry(self) -> SurfaceSection:
+        """The combined surface of both bodies: ``surface`` itself where nothing is added to it."""
+        return composed(self.surface, self.form, self.detail, self.counterface)
+
+    @cached_property
     def scales(self) -> SurfaceScales:
-        return self.surface.scales(self.directory)
+        return self.geometry.scales(self.directory)
 
     @cached_property
     def solid(self) -> Elasticity:
@@ -177,9 +192,15 @@ class Case:
         return law.contact_distance if given is None or law.bare_wall else given
 
     @property
-    def height_map(self) -> Path | None:
-        """File of the heights, for a surface from a file."""
-        return None if self.surface.map_path is None else self.directory / self.surface.map_path
+    def height_maps(self) -> dict[str, Path]:
+        """Files of heights, by their paths as the study writes them."""
+        return {path: self.directory / path for path in self.geometry.map_keys.values()}
+
+    @property
+    def measured_maps(self) -> tuple[tuple[str, SurfaceScales], ...]:
+        """Each measured map as the study writes its path, and its scales."""
+        own = self.surface.map_path
+        return self.scales.maps or (() if own is None else ((own, self.scales),))
 
     @property
     def path(self) -> list[tuple[float, str]]:
@@ -204,7 +225,7 @@ class Case:
 
     @cached_property
     def lattice(self) -> Lattice:
-        return lattice_of(self.surface.cell(self.directory), self.material.lattice_constant)
+        return lattice_of(self.geometry.cell(self.directory), self.material.lattice_constant)
 
     @property
     def work_of_adhesion(self) -> float:
@@ -251,7 +272,7 @@ def realise(case: Case) -> Surface:
     >>> import contact_study
     >>> heights = contact_study.realise(contact_study.read_study("study.toml").cases[0]).sampled  # doctest: +SKIP
     """
-    return case.surface.realise(case.directory)
+    return case.geometry.realise(case.directory)
 
 
 PathPoint = tuple[str, int, int]  # prescribed value to twelve digits, 1 on the way back, earlier visits

@@ -51,7 +51,8 @@ def review(study: Study) -> list[str]:
         *_worst(tables, _table_waves, len(cases)),
         *_worst(tables, _table_modulus, len(cases)),
         *_coarse_maps(cases),
-        *dict.fromkeys(line for case in cases for line in map_warnings(str(case.surface.map_path), case.scales)),
+        *dict.fromkeys(line for case in cases for one in case.measured_maps for line in map_warnings(*one)),
+        *_open_edges(cases),
         *idle_keys(cases),
     ]
 
@@ -86,7 +87,7 @@ def _slope(case: Case) -> _Judged:
     impossible = (
         f"surface: heights of {scale.rms_height:.3g} m (root mean square) on a cell of {scale.size[0]:.3g} x "
         f"{scale.size[1]:.3g} m make an rms slope of {scale.rms_slope:.3g}",
-        f"; beyond {IMPOSSIBLY_STEEP:g} the heights ({case.surface.height_key}) and surface.size cannot belong "
+        f"; beyond {IMPOSSIBLY_STEEP:g} the heights ({case.geometry.height_key}) and surface.size cannot belong "
         "together",
     )
     harmless = ": linear elasticity of a half-space is meant for slopes well below 1"
@@ -150,17 +151,29 @@ def _table_modulus(case: Case) -> _Judged:
 def _coarse_maps(cases: Sequence[Case]) -> list[str]:
     """Warn of each map that the continuum's grid cannot carry."""
     notes = {}
-    for case in cases:
-        scale = case.scales
+    for case, (path, scale) in ((one, own) for one in cases for own in one.measured_maps):
         height, slope = scale.lost or (scale.rms_height, scale.rms_slope)
         if height < (1 - NEGLIGIBLE) * scale.rms_height or slope < (1 - NEGLIGIBLE) * scale.rms_slope:
-            notes[case.surface.map_path, case.surface.shape] = (
-                f"surface.shape = {list(scale.shape)} is coarser than the height map {case.surface.map_path}: waves "
+            notes[path, case.scales.shape] = (
+                f"surface.shape = {list(case.scales.shape)} is coarser than the height map {path}: waves "
                 f"shorter than two grid spacings are left out, rms height {length(scale.rms_height)} becomes "
                 f"{length(height)} ({_change(height, scale.rms_height)}), rms slope {scale.rms_slope:.4g} "
                 f"becomes {slope:.4g} ({_change(slope, scale.rms_slope)})"
             )
     return list(notes.values())
+
+
+def _open_edges(cases: Sequence[Case]) -> list[str]:
+    """Warn of a form that jumps where its cell is repeated."""
+    found = {}
+    for case in cases:
+        form = case.form.made(case.scales.size, case.scales.shape) if case.elasticity.boundary == "periodic" else None
+        if form is not None and form.edge_jump > NEGLIGIBLE * case.scales.peak_to_valley:
+            found[case.form] = (
+                f"form: heights of the {case.form.kind} jump by {length(form.edge_jump)} across the edges of the cell, "
+                'which is repeated; use elasticity.boundary = "free", or no offset, rotation and tilt'
+            )
+    return list(found.values())
 
 
 def _change(left: float, whole: float) -> str:
@@ -229,10 +242,11 @@ def map_warnings(path: str, scales: SurfaceScales) -> list[str]:
 def describe_maps(cases: Sequence[Case]) -> list[str]:
     """Describe each measured map of a study as it was read, each once."""
     words = (
-        f"surface {case.surface.map_path}: {line}"
+        f"surface {path}: {line}"
         for case in cases
-        if case.scales.measured is not None
-        for line in described(case.scales.measured)
+        for path, scales in case.measured_maps
+        if scales.measured is not None
+        for line in described(scales.measured)
     )
     return list(dict.fromkeys(words))
 

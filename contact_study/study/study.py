@@ -26,6 +26,7 @@ from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.study import sweep
 from contact_study.study.case import Case
+from contact_study.study.schema.bodies import ADDED_SECTIONS, bind_added, composed
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, bare_numbers, is_sweep, replace_keys
 from contact_study.study.schema.elasticity import ELASTICITIES
 from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH, InteractionSection
@@ -55,8 +56,8 @@ class Study:
         """Scales of the surface of each case, calculated once for equal surfaces."""
         known: dict[SurfaceSection, SurfaceScales] = {}
         for case in self.cases:
-            case.__dict__.setdefault("scales", known.get(case.surface) or case.scales)
-            known[case.surface] = case.scales
+            case.__dict__.setdefault("scales", known.get(case.geometry) or case.scales)
+            known[case.geometry] = case.scales
         return tuple(case.scales for case in self.cases)
 
     @cached_property
@@ -205,9 +206,11 @@ def _case(
     for name in sorted(SECTIONS, key=lambda name: name != "theory"):  # which says whether there must be a surface
         if name == "surface" and not merged[name] and bound["theory"].spectra == (TABLE,):
             bound[name] = AbsentSurface(wavevectors=bound["theory"].wavevectors, density=bound["theory"].density)
+        elif name in ADDED_SECTIONS:
+            bound[name] = bind_added(merged[name], name, bound["surface"])
         else:
             bound[name] = bind(SECTIONS[name], merged[name], name)
-    surface = bound["surface"]
+    surface = composed(bound["surface"], *(bound[name] for name in ("form", *ADDED_SECTIONS)))
     if bound["interaction"].length == AUTO:
         solid = bound["elasticity"].solid(bound["material"])
         scales[surface] = scales.get(surface) or surface.scales(directory)

@@ -60,6 +60,8 @@ def check(case: Case) -> None:
             f'elasticity.kind = "{kind}": the block of atoms is a half-space or a layer': other_kind,
             f'elasticity.boundary = "{boundary}": the block of atoms is periodic': boundary != "periodic",
             'loading.control = "approach": the block of atoms takes "pressure", or its separation as "gap"': approach,
+            "material.counter_youngs_modulus: atoms make one elastic body; leave it out": case.material.counter_modulus
+            is not None,
             f"material.poissons_ratio = {ratio:.12g}: springs cannot make a block incompressible; use at most "
             f"{_MOST_INCOMPRESSIBLE}": ratio > _MOST_INCOMPRESSIBLE,
             f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" '

@@ -27,7 +27,7 @@ if __name__ == "__main__":
             register(*arguments)
     (case, *_) = contact_study.make_study(study).cases
     assert case.surface.path == "ridges.txt", "a key of this name"
-    assert case.height_map is None, "is no height map"
+    assert not case.height_maps, "is no height map"
     strong = {"law": "strong_morse", "length": "3.28 angstrom", "width": "2 angstrom", "strength": "1 GPa"}
     (case,) = contact_study.make_study({**study, "interaction": strong, "sweep": {}}).cases
     assert case.law.work_of_adhesion == 1e9 * 3.28e-10

@@ -67,7 +67,7 @@ def test_long_waves_of_a_map_short_ones_of_the_spectrum(tmp_path):
     np.testing.assert_allclose(one[mode > 20.01], free[mode > 20.01], atol=small)
     assert np.abs(one - two)[mode > 20.01].min() > 0
     assert scales.rms_slope == pytest.approx(surface.rms_slope, rel=1e-9)
-    assert study.cases[0].height_map == tmp_path / "afm.npy"
+    assert study.cases[0].height_maps == {"afm.npy": tmp_path / "afm.npy"}
     # Four points a wave are the default.
     default, *_ = surface_of(tmp_path, seed=1, **{**keys, "lowpass": f"{80 / 64} um"})
     same, *_ = surface_of(tmp_path, seed=1, **{name: keys[name] for name in ("size", "shape", "path")})

@@ -52,10 +52,15 @@ def check(case: Case) -> None:
         raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": the theories need "periodic"')
     if case.loading.control == "approach":
         raise InputError('loading.control = "approach": the theories follow "pressure" or "gap"')
-    if not case.surface.rough:
+    if case.form.kind != "none":
+        raise InputError(
+            f'form.kind = "{case.form.kind}": the theories are of nominally flat surfaces; leave [form] out'
+        )
+    if not case.geometry.rough:
         raise InputError(f'surface.kind = "{kind}": a theory of roughness needs a rough surface')
-    if case.surface.target_spectrum is None and "analytic" in case.spectra:
-        raise InputError(f'theory.spectrum = "analytic": surface.kind = "{kind}" has none; use "surface"')
+    if case.geometry.target_spectrum is None and "analytic" in case.spectra:
+        beside = "" if case.geometry is case.surface else " beside [detail] or [counterface]"
+        raise InputError(f'theory.spectrum = "analytic": surface.kind = "{kind}"{beside} has none; use "surface"')
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:

@@ -15,13 +15,15 @@ from contact_study.campaign.store.files import require_dataset
 from contact_study.inputs.errors import InputError
 from contact_study.results.state import usable
 from contact_study.study.case import Case, path_points, path_points_of
+from contact_study.study.schema.bodies import ADDED_SECTIONS
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.study import Study
 
 # Sections that define a contact, and their keys that do not: each model has its own grid, a height map counts by its
 # content, and no gap field depends on the lattice or the contact distance.
-_CONTACT = ("surface", "material", "elasticity", "interaction")
+_GEOMETRY = ("surface", "form", *ADDED_SECTIONS)
+_CONTACT = (*_GEOMETRY, "material", "elasticity", "interaction")
 _NO_CONTACT = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
 # Keys that the work of adhesion stands for.
 _ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")
@@ -49,13 +51,13 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
         start = _start_case(other, case)
         if start is not None:
             differing |= differences(_contact_keys(start), _contact_keys(case))
-            own = height_maps.get(str(case.surface.map_path))
-            if case.height_map is not None and own != maps.get(str(start.surface.map_path)):
-                raise InputError(f"{_OPTION}: {path} is of another height map than {case.surface.map_path}")
+            for dotted, name in case.geometry.map_keys.items():
+                if height_maps.get(name) != maps.get(start.geometry.map_keys.get(dotted, "")):
+                    raise InputError(f"{_OPTION}: {path} is of another height map than {name}")
     notes = []
     for key, pair in differing.items():
         words = f"is of another contact: {record.describe_differences({key: pair}, 'there', 'here')}"
-        if key.startswith(("surface.", "loading.")):
+        if key.partition(".")[0] in (*_GEOMETRY, "loading"):
             raise InputError(f"{_OPTION}: {path} {words}")
         notes.append(f"the predictor {path} {words}; its gap fields may select other states")
     return notes
@@ -117,6 +119,8 @@ def _start_case(study: Study, case: Case) -> Case | None:
 
 def _value_of(case: Case, name: str) -> Any:
     """Value of a swept key by its last part; None where the case has no such key."""
+    if name in ("seed", "radius", "rotation") and name in case.coordinates:  # of several sections
+        return case.coordinates[name]
     sections = (getattr(case, section) for section in SECTIONS if section not in WHOLE_STUDY)
     return next((getattr(section, name) for section in sections if name in keys_of(type(section))), None)
 

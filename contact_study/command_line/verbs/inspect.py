@@ -52,8 +52,9 @@ def run(given: argparse.Namespace) -> int:
     if section.absent:
         raise InputError(f"{given.file}: has no [surface] to look at, a roughness spectrum only")
     scales, surface = section.scales(directory), section.realise(directory)
-    lines = [words, *described(surface.roughness)]
-    lines += [f"warning: {line}" for line in map_warnings(str(section.map_path), scales)]
+    lines = [*words, *described(surface.roughness)]
+    maps = scales.maps or ((str(section.map_path), scales),)
+    lines += [f"warning: {line}" for one in maps for line in map_warnings(*one)]
     if surface.roughness.rms_slope > 1:
         lines.append("warning: surface: an rms slope above 1; linear elasticity of a half-space is meant for far less")
     picture = output or given.file.with_name(f"{given.file.stem}.inspect.png")
@@ -76,8 +77,10 @@ def run(given: argparse.Namespace) -> int:
     return DONE
 
 
-def _surface(path: Path, overrides: Mapping[str, Any]) -> "tuple[SurfaceSection, Path, str]":
-    """Return the surface that a file has, the folder of its paths, and words on it."""
+def _surface(path: Path, overrides: Mapping[str, Any]) -> "tuple[SurfaceSection, Path, list[str]]":
+    """Return the surface that a file has, the folder of its paths, and lines on it."""
+    from contact_study.inputs.units import stress
+    from contact_study.study.schema.bodies import ADDED_SECTIONS, composed
     from contact_study.study.schema.keys import bind
     from contact_study.study.schema.surface import SURFACES
     from contact_study.study.study import read_study
@@ -85,15 +88,22 @@ def _surface(path: Path, overrides: Mapping[str, Any]) -> "tuple[SurfaceSection,
     if path.suffix.lower() == ".toml":
         study = read_study(path, overrides)
         case = study.cases[0]
-        kinds = len({one.surface for one in study.cases})
+        kinds = len({one.geometry for one in study.cases})
         which = f", at {case.label}, the first of {kinds} surfaces" if kinds > 1 else ""
-        return case.surface, case.directory, f"{path}: surface of kind {case.surface.kind}{which}"
+        beside = {name: getattr(case, name).kind for name in ("form", *ADDED_SECTIONS)}
+        more = "".join(f", {name} {kind}" for name, kind in beside.items() if kind != "none")
+        lines = [f"{path}: surface of kind {case.surface.kind}{more}{which}"]
+        if beside["form"] != "none":
+            lines.append("statistics and spectrum of the roughness, without the form")
+        if case.material.counter_modulus is not None:
+            lines.append(f"E* = {stress(case.solid.contact_modulus)}, combined of two elastic bodies")
+        return case.geometry, case.directory, lines
     strangers = [dotted for dotted in overrides if not dotted.startswith("surface.")]
     if strangers:
         raise InputError(f"--{strangers[0]}: a map alone has no such key; inspect STUDY.toml takes it")
     table = {dotted.removeprefix("surface."): value for dotted, value in overrides.items()}
     section = bind(SURFACES, {**table, "kind": "file", "path": path.name}, "surface")
-    return section, path.parent, f"{path}: heights in {section.measured(path.parent).unit}"
+    return composed(section), path.parent, [f"{path}: heights in {section.measured(path.parent).unit}"]
 
 
 def _draw(figure: "Figure", surface: "Surface") -> None:

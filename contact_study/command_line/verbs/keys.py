@@ -36,7 +36,7 @@ def run(given: argparse.Namespace) -> int:
     if declared is None or (only and only not in keys_of(declared)):
         known = [*sections, *(f"{section}.{key}" for section, key, *_ in all_keys())]
         raise InputError(f"unknown section {given.section}{suggestion(given.section, known)}; see bem-adhesion keys")
-    title, tagged = f"[{name}]", {}
+    title, tagged, inherited = f"[{name}]", {}, getattr(declared, "inherited", ())
     if isinstance(declared, TaggedUnion) and given.kind is not None:
         if given.kind not in declared.declared:
             kinds = ", ".join(declared.declared)
@@ -49,6 +49,8 @@ def run(given: argparse.Namespace) -> int:
     listed = []
     for key, one in [(key, one) for key, one in keys_of(declared).items() if only in ("", key)]:
         default, kind, meaning = tagged.get(key, default_of(declared, key)), one.kind, one.description
+        if key in inherited:
+            default = f"surface.{key}"
         words = "required" if default is dataclasses.MISSING else "none" if default is None else as_written(default)
         if " | " in kind and len(kind) > _LONG:
             kind, meaning = "word", f"{meaning}: {kind.replace(' | ', ', ')}"

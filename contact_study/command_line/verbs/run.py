@@ -48,7 +48,8 @@ def run(given: argparse.Namespace) -> int:
     if given.workers is not None and given.workers < 1:
         raise InputError(f"--workers {given.workers}: must be at least 1")
     study = read_study(given.study, given.keys)
-    check_inputs_kept(output, [given.study, given.predictor, *(case.height_map for case in study.cases)])
+    maps = (path for case in study.cases for path in case.height_maps.values())
+    check_inputs_kept(output, [given.study, given.predictor, *maps])
     options = RunOptions(given.resume, given.overwrite, given.workers, given.engine, given.scheduler)
     groups = run_campaign(model, study, output, Progress(given.command), given.words, given.predictor, options)
     print(output)

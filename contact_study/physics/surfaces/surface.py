@@ -194,6 +194,7 @@ class SurfaceScales:
     measured: Roughness | None = field(default=None, compare=False)  # a map from a file, repeated
     unit: str = ""  # of the heights of a map, and its source
     apex_curvature: float | None = None  # of a surface that is one asperity, whose waves are those of its edges (1/m)
+    maps: tuple[tuple[str, "SurfaceScales"], ...] = field(default=(), compare=False)  # files of a composite surface
 
     @property
     def pixel(self) -> float:

@@ -118,7 +118,7 @@ def _roughness_of(inputs: Inputs, point: SweepPoint, case: Case | None) -> Rough
 
     None for what is no periodic roughness, and for a point that only the sweeps together would hold.
     """
-    if case is None or not case.surface.periodic:
+    if case is None or not case.geometry.periodic:
         return None
     with suppress(InputError):  # the height map may be missing
         surface = realise(case)

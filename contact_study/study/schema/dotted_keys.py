@@ -6,7 +6,9 @@ from typing import Any
 
 from contact_study.inputs.errors import InputError
 from contact_study.study.schema import sections
+from contact_study.study.schema.bodies import ADDED, ADDED_SECTIONS
 from contact_study.study.schema.elasticity import ELASTICITIES
+from contact_study.study.schema.form import FORMS
 from contact_study.study.schema.interaction import INTERACTIONS
 from contact_study.study.schema.keys import Key, TaggedUnion, default_of, keys_of, listed, replacement
 from contact_study.study.schema.surface import SURFACES
@@ -14,6 +16,8 @@ from contact_study.study.schema.surface import SURFACES
 SECTIONS: dict[str, type | TaggedUnion] = {
     "study": sections.StudySection,
     "surface": SURFACES,
+    "form": FORMS,
+    **dict.fromkeys(ADDED_SECTIONS, ADDED),
     "material": sections.MaterialSection,
     "elasticity": ELASTICITIES,
     "interaction": INTERACTIONS,

@@ -53,7 +53,7 @@ class HalfSpaceSection(ElasticitySection):
     makes = HalfSpace
 
     def solid(self, material: MaterialSection) -> HalfSpace:
-        return HalfSpace(material.contact_modulus)
+        return HalfSpace(material.combined(material.contact_modulus))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +122,7 @@ class TransverselyIsotropicSection(ElasticitySection):
                 f"elasticity.axial_poissons_ratio = {self.axial_poissons_ratio:g}: no solid has it beside these "
                 f"moduli, {error}"
             ) from None
-        return HalfSpace(indentation_modulus(*known, self.axial_shear_modulus))
+        return HalfSpace(material.combined(indentation_modulus(*known, self.axial_shear_modulus)))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -51,6 +51,7 @@ def quantity(
 METRES, PASCALS, SECONDS, FACTOR, PER_METRE = (quantity(unit, positive=True) for unit in ("m", "Pa", "s", "1", "m^-1"))
 JOULES, PER_AREA, KILOGRAMS = (quantity(unit, positive=True) for unit in ("J", "J/m^2", "kg"))
 SHARE = quantity("1", positive=True, maximum=1.0)
+ANGLE = quantity("rad")
 
 
 def integer(minimum: int | None = None, maximum: int | None = None) -> Reader:
@@ -139,6 +140,9 @@ def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> R
     return read, f"{kind} or {names}" if broadcast else f"{names} in {kind}"
 
 
+OFFSET = pair(quantity("m"))
+
+
 def sequence(reader: Reader) -> Reader:
     """A list of at least one value."""
     read_one, kind = reader
@@ -187,6 +191,8 @@ class TaggedUnion:
 
     tag: str  # key that names the kind; every dataclass has it as a field
     declared: dict[str, Any]  # dataclass of each kind
+    followers: list["TaggedUnion"] = field(default_factory=list)  # sections that take the same kinds
+    inherited: tuple[str, ...] = ()  # keys whose default is the value in [surface]
 
     def register(self, kind: str, section: type) -> None:
         """Make a kind of surface or solid from outside the package known to studies.
@@ -222,18 +228,21 @@ class TaggedUnion:
                 raise ValueError(f"{kind}: key {name} is in {declaration.unit}, that of other kinds in {known.unit}")
         self.declared[kind] = section
         self.__dict__.pop("keys", None)
+        for other in self.followers:
+            other.register(kind, section)
 
     @cached_property
     def keys(self) -> dict[str, Key]:
         """The keys of all kinds; those that not every kind has say whose they are."""
         owners: dict[str, dict[str, Key]] = {}
+        with_keys = sum(len(keys_of(section)) > 1 for section in self.declared.values())
         for kind, section in self.declared.items():
             for name, declaration in keys_of(section).items():
                 owners.setdefault(name, {})[kind] = declaration
         found = {}
         for name, kinds in owners.items():
             first = next(iter(kinds.values()))
-            whose = f" ({', '.join(kinds)})" if len(kinds) < len(self.declared) else ""
+            whose = f" ({', '.join(kinds)})" if len(kinds) < with_keys else ""
             found[name] = replace(first, description=first.description + whose)
         return {**found, self.tag: Key(*choice(*self.declared), found[self.tag].description)}
 

@@ -34,10 +34,33 @@ class MaterialSection:
         PASCALS, "largest pressure; points that reach it yield plastically (continuum, hard wall)", None
     )
 
+    counter_youngs_modulus: float | None = key(
+        PASCALS, "Young's modulus of the second body, if it is elastic, too (half-spaces)", None
+    )
+    counter_poissons_ratio: float | None = key(POISSONS_RATIO, "Poisson's ratio of the second body", None)
+
+    def __post_init__(self) -> None:
+        given = {"youngs_modulus": self.counter_youngs_modulus, "poissons_ratio": self.counter_poissons_ratio}
+        lacking = [name for name, value in given.items() if value is None]
+        if len(lacking) == 1:
+            raise InputError(f"missing key material.counter_{lacking[0]}: an elastic second body needs both")
+
     @property
     def contact_modulus(self) -> float:
-        """E* = E / (1 − ν²) (Pa)."""
+        """E* = E / (1 − ν²), of this body alone (Pa)."""
         return self.youngs_modulus / (1 - self.poissons_ratio**2)
+
+    @property
+    def counter_modulus(self) -> float | None:
+        """E* of the second body (Pa), None if it is rigid."""
+        if self.counter_youngs_modulus is None or self.counter_poissons_ratio is None:
+            return None
+        return self.counter_youngs_modulus / (1 - self.counter_poissons_ratio**2)
+
+    def combined(self, modulus: float) -> float:
+        """1/E* = 1/E*₁ + 1/E*₂ of two half-spaces without friction, the first of a modulus (Pa)."""
+        other = self.counter_modulus
+        return modulus if other is None else 1 / (1 / modulus + 1 / other)
 
 
 @dataclass(frozen=True)

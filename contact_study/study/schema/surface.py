@@ -1,7 +1,7 @@
 """The section ``[surface]`` of a study file: the keys of each kind, its heights and its scales."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import ClassVar
@@ -16,7 +16,7 @@ from contact_study.physics.surfaces import drawn
 from contact_study.physics.surfaces import surface as made
 from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface, SurfaceScales, spectrum_of_waves
 from contact_study.study.schema import keys
-from contact_study.study.schema.keys import FACTOR, METRES, TEXT, choice, integer, key, pair, quantity
+from contact_study.study.schema.keys import ANGLE, FACTOR, METRES, OFFSET, TEXT, choice, integer, key, pair, quantity
 
 _POINTS = pair(integer(4, 2**31 - 1))
 _SIZE = pair(METRES, broadcast=True), "lateral periods (a height map may bring its own)"
@@ -41,6 +41,8 @@ class SurfaceSection(ABC):
     kind: str = key(TEXT, "geometry of the rigid surface")
     size: tuple[float, float] | None = key(*_SIZE, None)
     shape: tuple[int, int] | None = key(*_SHAPE, None)
+    offset: tuple[float, float] = key(OFFSET, "way that the roughness is moved along y and x", (0.0, 0.0))
+    rotation: float = key(ANGLE, "quarter turns of the roughness from x to y", 0.0)
 
     @abstractmethod
     def realise(self, directory: Path) -> Surface:
@@ -58,6 +60,11 @@ class SurfaceSection(ABC):
     def map_path(self) -> str | None:
         """File of the heights as the study writes it; None for a surface that needs none."""
         return None
+
+    @property
+    def map_keys(self) -> dict[str, str]:
+        """Files of heights, by the dotted keys that name them."""
+        return {} if self.map_path is None else {"surface.path": self.map_path}
 
     @property
     def target_spectrum(self) -> RoughnessSpectrum | None:
@@ -198,10 +205,10 @@ class MapFile(SurfaceSection):
         """The map, made ready."""
         path = directory / self.path
         state = path.stat() if path.is_file() else None
-        return _measured(self, path, (state.st_mtime_ns, state.st_size) if state else None)
+        return _measured(replace(self, shape=None), path, (state.st_mtime_ns, state.st_size) if state else None)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> made.MeasuredMap:
     """Read and prepare a map once for the realisation and the scales; ``state`` identifies the file's content."""
     whole = read_height_map(path, section.height_unit, section.size, section.channel, section.lateral_unit)
@@ -242,7 +249,7 @@ class DrawnSurface(MapFile):
             if getattr(self, name) is None:
                 raise InputError(f'missing key surface.{name}: kind = "spectrum" needs it, or a map (surface.path)')
         for name in keys.keys_of(MapFile):
-            if name not in ("kind", "size", "shape") and getattr(self, name) != keys.default_of(DrawnSurface, name):
+            if name not in keys.keys_of(SurfaceSection) and getattr(self, name) != keys.default_of(DrawnSurface, name):
                 raise InputError(f"surface.{name}: belongs to a measured map, surface.path; leave it out, or give one")
 
     @cached_property
