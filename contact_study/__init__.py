@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from contact_study.campaign.dataset.export import to_vtk, to_xyz
     from contact_study.campaign.library import run
     from contact_study.inputs.errors import InputError
+    from contact_study.physics.force_curves.curve import read_force_curve
     from contact_study.results.schema import register_observable
     from contact_study.study.case import realise
     from contact_study.study.schema.bodies import composite_surface
@@ -25,6 +26,7 @@ __all__ = [
     "__version__",
     "composite_surface",
     "make_study",
+    "read_force_curve",
     "read_study",
     "realise",
     "register_law",
@@ -40,6 +42,7 @@ _MODULES = {
     "InputError": "inputs.errors",
     "composite_surface": "study.schema.bodies",
     "make_study": "study.study",
+    "read_force_curve": "physics.force_curves.curve",
     "read_study": "study.study",
     "realise": "study.case",
     "register_law": "study.schema.interaction",

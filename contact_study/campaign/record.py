@@ -18,6 +18,7 @@ from typing import Any
 
 from contact_study.campaign.model import Model, check_study
 from contact_study.inputs.errors import InputError
+from contact_study.inputs.files import content_hash
 from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
@@ -118,15 +119,6 @@ def prepare_run(model: Model, study: Study, start: Path | None = None) -> Run:
     maps = {name: path for case in study.cases for name, path in case.height_maps.items()}
     hashes = {name: content_hash(path) for name, path in maps.items()}
     return Run(model, study, hashes, f"{start.name} sha256:{content_hash(start)}" if start else "", start)
-
-
-def content_hash(path: Path) -> str:
-    """SHA-256 of a file's content, or of the names and contents of all files of a folder."""
-    if path.is_dir():
-        files = sorted(one.relative_to(path).as_posix() for one in path.rglob("*") if one.is_file())
-        return hashlib.sha256(json.dumps([(name, content_hash(path / name)) for name in files]).encode()).hexdigest()
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def recorded_study(attributes: Mapping[str, Any], directory: Path) -> Study:

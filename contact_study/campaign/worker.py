@@ -14,9 +14,9 @@ import numpy as np
 from contact_study.campaign.engines import CampaignError, Report
 from contact_study.campaign.memory import require
 from contact_study.campaign.model import Model
-from contact_study.campaign.record import content_hash
 from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from contact_study.inputs import plugins
+from contact_study.inputs.files import content_hash
 from contact_study.numerics import life
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.fourier import POINTS_FOR_THREADS

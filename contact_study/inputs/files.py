@@ -1,6 +1,8 @@
 """Paths of inputs, and the folders where results of slow searches are kept between runs."""
 
 import errno
+import hashlib
+import json
 import os
 import stat
 import tempfile
@@ -60,3 +62,12 @@ def has_locks(folder: Path) -> bool:
         except OSError:
             return False
     return True
+
+
+def content_hash(path: Path) -> str:
+    """SHA-256 of a file's content, or of the names and contents of all files of a folder."""
+    if path.is_dir():
+        files = sorted(one.relative_to(path).as_posix() for one in path.rglob("*") if one.is_file())
+        return hashlib.sha256(json.dumps([(name, content_hash(path / name)) for name in files]).encode()).hexdigest()
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

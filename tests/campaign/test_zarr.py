@@ -3,7 +3,7 @@ import sys
 import pytest
 import xarray as xr
 
-from contact_study.campaign.record import content_hash
+from contact_study.inputs.files import content_hash
 from contact_study.start import contact_compare as compare
 from contact_study.start import contact_merge as merge
 from tests.campaign.toy_model import TOY_ATOMS

@@ -16,6 +16,7 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import require_file
+from contact_study.inputs.number_tables import TableError
 from contact_study.inputs.units import length, quantity
 from contact_study.numerics.grid import Grid
 from contact_study.physics.height_maps.text import MapError, RawMap, line_scan, read_points, read_text, step_of
@@ -64,7 +65,7 @@ def read_height_map(
             raise MapError(f"holds an array of shape {heights.shape}; expected at least 4 x 4 heights")
         if not np.any(np.isfinite(heights)):
             raise MapError("holds no finite numbers: all of its heights are missing")
-    except MapError as error:
+    except TableError as error:
         words = str(error) if "{path}" in str(error) else f"{{path}} {error}"
         raise InputError(f"surface.path: {words.replace('{path}', str(path))}") from None
     except InputError:

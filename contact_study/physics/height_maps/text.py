@@ -1,7 +1,6 @@
 """Height maps as text: tables, columns x, y and height, ESRI and WSxM ASCII, and the even grids of coordinates."""
 
 import re
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,19 +8,18 @@ from pathlib import Path
 import numpy as np
 
 from contact_study.inputs.errors import InputError
+from contact_study.inputs.number_tables import NUMBER, TableError, lines_of, numbers_of
 from contact_study.inputs.units import quantity
 
-_MANY = 30  # fractions, of which a tenth begins with 0, among which one does so for certain
 # The words of Gwyddion's export in the languages of its menus.
 _WIDTH = "Width|Šířka|Breite|Anchura|Largeur|Larghezza|Largura|Ширина|幅|폭"
 _HEIGHT = "Height|Výška|Höhe|Altura|Hauteur|Altezza|Высота|高さ|높이"
 # Largest distance of a coordinate from its place on an even grid, in steps: rounded decimals and single precision.
 _UNEVEN = 0.01
 _SPARSEST = 4  # grid points for each point given, beyond which points are scattered and no grid with holes
-_NUMBER = re.compile(r"\s*[-+]?\.?\d|\s*nan\b", re.IGNORECASE)
 
 
-class MapError(InputError):
+class MapError(TableError):
     """A fault of a file of heights, in words after its name, or around ``{path}``."""
 
 
@@ -37,7 +35,7 @@ class RawMap:
 
 def read_text(path: Path) -> RawMap:
     """A table of heights, or what its first lines say it is; InputError if damaged, ValueError of no known kind."""
-    lines = _lines(path)
+    lines = lines_of(path)
     head = "\n".join(lines[:30])
     if head.startswith("WSxM") and "ASCII XYZ" in head:
         return _points(lines)
@@ -45,7 +43,7 @@ def read_text(path: Path) -> RawMap:
         size = _sides(path, head, r"^{} Amplitude:\s*(.*)$", ("Y", "X"))
         unit = re.search(r"^Z Amplitude:\s*[-+\d.eE]+\s*(\S+)", head, re.MULTILINE)
         rows = lines[1 + max(number for number, line in enumerate(lines[:30]) if "Amplitude:" in line) :]
-        return RawMap(_numbers(rows)[::-1], size, unit[1] if unit else None, "m")
+        return RawMap(numbers_of(rows)[::-1], size, unit[1] if unit else None, "m")
     if re.match(r"\s*ncols\s", head, re.IGNORECASE):
         return _esri(lines)
     return _table(path, lines)
@@ -53,20 +51,20 @@ def read_text(path: Path) -> RawMap:
 
 def read_points(path: Path) -> RawMap:
     """Columns x, y and height of points in any order; errors as :func:`read_text`."""
-    return _points(_lines(path))
+    return _points(lines_of(path))
 
 
 def _table(path: Path, lines: Sequence[str]) -> RawMap:
     """Rows of heights; three columns are points, as no map is as narrow."""
     head = "\n".join(line for line in lines[:30] if line.lstrip().startswith("#"))
     rows = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
-    named = bool(rows) and not _NUMBER.match(rows[0])
-    if named and len(rows) > 1 and _NUMBER.match(rows[1]) and _numbers(rows[1:2]).shape[1] == 3:
+    named = bool(rows) and not NUMBER.match(rows[0])
+    if named and len(rows) > 1 and NUMBER.match(rows[1]) and numbers_of(rows[1:2]).shape[1] == 3:
         return _points(lines)
     if rows and rows[0].lstrip()[:1] in (",", ";"):
         raise MapError("begins with an empty cell; leave out names of rows and columns, write nan for a missing height")
     try:
-        table = _numbers(rows)
+        table = numbers_of(rows)
     except ValueError as error:
         if named or isinstance(error, InputError):
             raise
@@ -92,7 +90,7 @@ def _sides(path: Path, head: str, pattern: str, sides: Sequence[str]) -> tuple[f
 
 def _points(lines: Sequence[str]) -> RawMap:
     """Columns x, y and height on an even grid, in any order; a header ``X[nm] Y[nm] Z[nm]`` gives the units."""
-    first = next((number for number, line in enumerate(lines) if _NUMBER.match(line)), len(lines))
+    first = next((number for number, line in enumerate(lines) if NUMBER.match(line)), len(lines))
     head = "\n".join(lines[:first])
     units: list[str | None] = list(re.findall(r"[XYZ]\s*[\[(](.*?)[\])]", head, re.IGNORECASE))
     if len(units) == 3 and units[0] != units[1]:
@@ -101,7 +99,7 @@ def _points(lines: Sequence[str]) -> RawMap:
         said = (re.search(rf"^#\s*{key} units:\s*(\S+)", head, re.MULTILINE) for key in ("Lateral", "Value"))
         lateral, height = (one[1] if one else None for one in said)
         units = [lateral, lateral, height]
-    table = _numbers(lines[first:])
+    table = numbers_of(lines[first:])
     if table.shape[1] < 3:
         raise MapError(f"has {table.shape[1]} columns; points need three, x, y and height")
     heights, size = gridded(table[:, :3])
@@ -114,73 +112,12 @@ def _esri(lines: Sequence[str]) -> RawMap:
     while re.match(r"\s*[A-Za-z_]", lines[len(said)]):
         name, number = lines[len(said)].lower().split()
         said[name] = float(number)
-    heights = _numbers(lines[len(said) :])[::-1].copy()
+    heights = numbers_of(lines[len(said) :])[::-1].copy()
     rows, columns = int(said.get("nrows", -1)), int(said["ncols"])
     if heights.shape != (rows, columns):
         raise MapError(f"holds {len(heights)} x {heights[0].size} heights, its header says {rows} x {columns}")
     heights[heights == said.get("nodata_value", -9999.0)] = np.nan
     return RawMap(heights, (rows * said["cellsize"], columns * said["cellsize"]))
-
-
-def _lines(path: Path) -> list[str]:
-    """The lines of a text; instruments still write the micro sign in Latin-1."""
-    content = path.read_bytes()
-    try:
-        return content.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        return content.decode("latin-1").splitlines()
-
-
-def _numbers(lines: Sequence[str]) -> np.ndarray:
-    """Rows of numbers between blanks, tabs, semicolons or commas, NaN in empty places; ValueError for other things."""
-    separator, decimal = _separation([line for line in lines if _NUMBER.match(line)][:30])
-    if (separator, decimal) == (", ", ","):
-        lines, separator = [re.sub(r",([ \t]+|$)", ";", line.rstrip()) for line in lines], ";"
-    if decimal == ",":
-        lines = [line.replace(",", ".") for line in lines]
-    if separator:  # what all lines end with parts nothing; empty places hold NaN
-        lines = [line.strip() for line in lines if line.strip() and not line.lstrip().startswith("#")]
-        if all(line.endswith(separator) for line in lines):
-            lines = [line.removesuffix(separator) for line in lines]
-        lines = [separator.join(cell if cell.strip() else "nan" for cell in line.split(separator)) for line in lines]
-    with warnings.catch_warnings(action="ignore", category=UserWarning):  # of no rows
-        try:
-            table = np.loadtxt(lines, ndmin=2, delimiter=separator)
-        except ValueError as error:
-            words = next((line for line in lines if line.strip()[:1] not in ("", "#") and not _NUMBER.match(line)), "")
-            reason = str(error).partition(";")[0]  # followed by NumPy's own arguments
-            raise ValueError(f"it has the line {words.strip()[:40]!r}" if words else reason) from None
-    if not table.size:
-        raise MapError("holds no numbers")
-    return table
-
-
-def _separation(lines: Sequence[str]) -> tuple[str | None, str]:
-    """Separator of the numbers in these lines, None for blanks and tabs, and decimal sign; InputError if open."""
-    text = "\n".join(lines)
-    if ";" in text:
-        return ";", "," if "," in text and "." not in text else "."
-    if "," not in text:
-        return None, "."
-    inside, blank_after = re.search(r"\d,\d", text), re.search(r",[ \t]", text)
-    if inside and not re.search(r",\s|,$|\.\d", text, re.MULTILINE) and re.search(r"\d[ \t]+[-+]?\d", text):
-        return None, ","  # between blanks a comma inside of every number is its decimal sign
-    if inside and blank_after and "." not in text:
-        return ", ", ","
-    if "." not in text and not blank_after and _may_be_decimal([line.strip().strip(",").split(",") for line in lines]):
-        raise MapError("looks like decimal commas between commas; use another separator, such as semicolons")
-    return ",", "."
-
-
-def _may_be_decimal(rows: Sequence[Sequence[str]]) -> bool:
-    """Test whether every second cell may be digits behind a decimal comma; many like integers are integers."""
-    whole, digits = ([cell.strip() for row in rows for cell in row[first::2]] for first in (0, 1))
-    if any(len(row) % 2 for row in rows) or not all(cell.isdecimal() for cell in digits):
-        return False
-    lengths = set(map(len, digits))
-    zeros = any(cell[0] == "0" and len(cell) > 1 for cell in digits)
-    integers = not zeros and all(cell.isdecimal() for cell in whole) and lengths == set(map(len, whole))
-    return not (integers and lengths != {1} and len(digits) >= _MANY)
 
 
 def line_scan(points: int) -> MapError:
