@@ -58,6 +58,8 @@ benchmark: env
 	$(BIN)/python -m scripts.benchmark_hard_wall --points 256 1024 --pressures 0.15 0.5
 	$(BIN)/python -m scripts.benchmark_adhesive data/yang2008.toml --points 256 400 512 1024 --surfaces 3 2 2 3
 	$(BIN)/python -m scripts.benchmark_grids
+	$(BIN)/python -m scripts.benchmark_control
+	$(BIN)/python -m scripts.benchmark_control --points 128 256 512 --curve 100
 	$(BIN)/python -m scripts.benchmark_atoms
 	$(BIN)/python -m scripts.benchmark_storage data/yang2008.toml
 	$(BIN)/python -m scripts.benchmark_threads

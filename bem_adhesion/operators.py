@@ -201,13 +201,25 @@ def periodic(
 class Load:
     """A uniform pressure and a field of pressures (Pa), or with a ``unit`` heights h in it (m).
 
-    K h is not stored: pressing = K (d + h), and ½ <d, K d> + <d, K h> = ½ <pressing, d + h> − ½ <h, K h>.
+    K h is not stored: pressing = K (d + h), and ½ <d, K d> + <d, K h> = ½ <pressing, d + h> − ½ <h, K h>. A prescribed
+    ``mean_gap`` (m) is held by a pressure that the solve finds.
     """
 
     field: np.ndarray
     unit: float | None = None
     pressure: float = 0.0
     energy: float = 0.0  # the part that does not depend on the gap (J/m²)
+    mean_gap: float | None = None
+
+    def less(self, pressure: float, stiffness: float) -> "Load":
+        """Return the load without a pressure (Pa), or with the mean gap that it opens against a stiffness (Pa/m)."""
+        if self.mean_gap is None:
+            return replace(self, pressure=self.pressure - pressure)
+        return replace(self, mean_gap=self.mean_gap + pressure / stiffness)
+
+    def missing(self, gap: np.ndarray) -> float | None:
+        """Return by how much the mean of a gap is too small (m), if the load prescribes it."""
+        return None if self.mean_gap is None else self.mean_gap - float(gap.mean())
 
     @classmethod
     def of_heights(cls, solid: PeriodicOperator, height: np.ndarray, unit: float) -> "Load":

@@ -144,13 +144,17 @@ class Solution:
 
 @dataclass(frozen=True)
 class NewtonResult:
-    """End of a Newton solve: gap, pressure of a wall where it is zero, max|gradient| without what a wall carries."""
+    """End of a Newton solve: gap, pressure of a wall where it is zero, max|gradient| without what a wall carries.
+
+    ``pressure`` is that of the load, which is found where the mean gap is prescribed.
+    """
 
     gap: np.ndarray
     reaction: np.ndarray | float
     residual: float
     iterations: int
     outcome: Outcome
+    pressure: float
 
 
 def check_arguments(grid: Grid, control: str, tolerance: float, max_iterations: int, elasticity: Elasticity) -> None:

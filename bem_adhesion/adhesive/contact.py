@@ -24,7 +24,6 @@ from contact_study.physics.solids import Elasticity, elasticity_of
 NO_TENSION = 1e-3  # over the law's peak: the gap at which the tension has fallen to this is out of reach
 # Stiffness between core and tail, over the geometric mean of strongest softening and typical stiffness of the solid.
 PRECONDITIONER_SHIFT = 0.22
-GAP_CORRECTIONS = 20  # of the spring's end under gap control
 APPROACH_REFINEMENTS = 5  # solves at smaller and smaller tolerance until an approach is reached
 TOUCHING = 1e-14  # rounding of a gap of zero outside a wall, over the largest height
 
@@ -47,8 +46,8 @@ def reach(law: TractionLaw) -> float:
 class AdhesiveContact:
     """One rough surface against a solid under a law, see :func:`rough_contact`; heights outside the window are ignored.
 
-    Inside, the units are the law's length and the contact modulus. A stiff spring holds a mean gap, its end moved until
-    the gap is met; the solid's own stiffness against a uniform pressure holds an approach.
+    Inside, the units are the law's length and the contact modulus. Every step holds a mean gap by the pressure that it
+    finds; the solid's own stiffness against a uniform pressure holds an approach.
     """
 
     def __init__(
@@ -84,7 +83,7 @@ class AdhesiveContact:
         shift = PRECONDITIONER_SHIFT * np.sqrt(softening * typical_stiffness)
         self._spring = solid.mean_stiffness_on(self._grid) if control == "approach" else 0.0
         if control == "gap":
-            # As stiff as the solid's stiffest wave: stiffer would only spread the spectrum of the operator.
+            # Steps towards a mean gap descend in an energy with a spring on it, as stiff as the solid's stiffest wave.
             self._spring = float(solid.stiffness_on(self._grid).max())
         self._work = Work(grid.points, trace)
         make_operator = periodic(solid, self._spring, threads, self._work)
@@ -111,14 +110,16 @@ class AdhesiveContact:
             mean_gap = target / self._length + self._law.equilibrium_distance
             if out_of_reach:  # nothing deforms the solid on its way
                 gap += max(mean_gap - gap.mean(), 0.0)
-            result = self._hold_gap(gap, mean_gap, out_of_reach)
+            if mean_gap == 0:  # only at a wall can all points close, at any pressure above that of opening
+                gap[...] = 0
+            result = self._solve(gap, replace(self._heights, mean_gap=mean_gap), out_of_reach)
         elif self.control == "approach":
             first_touch = float(self.height[self._inside].max()) + self.law.equilibrium_distance
             result = self._hold_approach(gap, (first_touch - target) / self._length, out_of_reach)
         elif out_of_reach and target <= 0:
             return self._apart(Outcome.APART)
         else:
-            result = self._solve(gap, target / self.elasticity.contact_modulus, out_of_reach)
+            result = self._solve(gap, self._load(target / self.elasticity.contact_modulus), out_of_reach)
         pairs = self._work.pairs - before
         if result.outcome is Outcome.DETACHED:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)
@@ -149,46 +150,18 @@ class AdhesiveContact:
         gap = self._gap_of(solution.state)
         return self.levels.finest.mean_stiffness(gap) * self.elasticity.contact_modulus / self._length
 
-    def _solve(
-        self, gap: np.ndarray, pressure: float, first_contact: bool, tolerance: float | None = None
-    ) -> NewtonResult:
-        allowed = tolerance or self.tolerance
-        return self.levels.solve(gap, self._load(pressure), allowed, self.max_iterations, first_contact)
+    def _solve(self, gap: np.ndarray, load: Load, first_contact: bool, tolerance: float | None = None) -> NewtonResult:
+        return self.levels.solve(gap, load, tolerance or self.tolerance, self.max_iterations, first_contact)
 
     def _load(self, pressure: float) -> Load:
         """Return the load at a mean pressure, in units of the contact modulus."""
         return replace(self._heights, pressure=pressure)
 
-    def _hold_gap(self, gap: np.ndarray, mean_gap: float, first_contact: bool) -> NewtonResult:
-        """Move the end of the spring by the secant method until the mean gap is met."""
-        end = mean_gap + self._tension(gap) / self._spring
-        compliance, tolerance, iterations = 1.0, self.tolerance, 0
-        if mean_gap == 0:  # only at a wall can all points close, at any pressure above that of opening
-            gap = np.zeros_like(gap)
-            end = self._tension(gap) / self._spring
-        previous: tuple[float, float] | None = None
-        for _ in range(GAP_CORRECTIONS):
-            result = self._solve(gap, -self._spring * end, first_contact, tolerance)
-            if result.iterations == 0:  # the tolerance does not resolve the last correction
-                tolerance *= 0.1
-            iterations += result.iterations
-            gap, first_contact = result.gap, False
-            error = float(np.mean(gap)) - mean_gap
-            if result.outcome is not Outcome.CONVERGED or abs(error) <= self.tolerance:
-                return replace(result, iterations=iterations)
-            if previous is not None and error != previous[1]:
-                # Between rigid (1) and a contact ten times as stiff as the spring; a wall stays closed.
-                stiffest = 1e-3 if self.law.has_wall else 0.1
-                compliance = np.clip((error - previous[1]) / (end - previous[0]), stiffest, 1.0)
-            previous = end, error
-            end -= error / compliance
-        return replace(result, iterations=iterations, outcome=Outcome.ITERATION_LIMIT)
-
     def _hold_approach(self, gap: np.ndarray, plane: float, first_contact: bool) -> NewtonResult:
         """Solve until the undeformed surface is at its height, too: a small residual may move a soft mean far."""
         tolerance, iterations = self.tolerance, 0
         for _ in range(APPROACH_REFINEMENTS):
-            result = self._solve(gap, -self._spring * plane, first_contact, tolerance)
+            result = self._solve(gap, self._load(-self._spring * plane), first_contact, tolerance)
             iterations += result.iterations
             pressure, _ = self._pressure(result.gap * self._length, result.reaction)
             mean_pressure = float(pressure.mean()) / self.elasticity.contact_modulus
@@ -199,16 +172,6 @@ class AdhesiveContact:
             gap, first_contact = result.gap, False
             tolerance *= 0.1
         return replace(result, iterations=iterations, outcome=Outcome.ITERATION_LIMIT)
-
-    def _tension(self, gap: np.ndarray) -> float:
-        """Return the mean tension under which a state is in equilibrium, in units of the contact modulus."""
-        if not self.law.has_wall:
-            return float(np.mean(self._law.traction(gap)))
-        finest, load = self.levels.finest, self._load(-self._spring * float(gap.mean()))
-        pressing = finest.press(gap, load)
-        if not gap.any():  # in full contact the tension at which a first point is pulled off
-            return float(pressing.min()) + self._law.peak_tensile_stress
-        return finest.local.imbalance(pressing, gap, load.pressure)
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap

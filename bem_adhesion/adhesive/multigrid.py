@@ -51,6 +51,7 @@ class MultigridSolver:
         """Find the minimum that the gap, which is overwritten, descends to; parameters as for :class:`NewtonSolver`."""
         result = self._descend(gap, load, tolerance, max_iterations, first_contact, carries=True)
         while result.outcome is Outcome.CONVERGED:
+            load = replace(load, pressure=result.pressure)
             lower = self.leave_saddle(result.gap, load)
             if lower is None:
                 break
@@ -82,8 +83,7 @@ class MultigridSolver:
     ) -> NewtonResult:
         """Predict and solve; ``known`` is the gap if :attr:`finest` evaluated it last under this load's field."""
         start = gap
-        # The spring of gap control overshoots on its way to the gap: it takes no predictions but the first.
-        if self.coarser and (first_contact or self.finest.solid.mean_stiffness == 0):
+        if self.coarser:
             if known is None:
                 self.finest.press(gap, load)
             start, known = self._predict(self.coarser, gap, load, max_iterations, first_contact), gap
@@ -94,7 +94,14 @@ class MultigridSolver:
     ) -> np.ndarray:
         """Predict the solution from a gap that was pressed last; return the gap where the prediction fails."""
         finest, law, options = self.finest, self.finest.law, self.options
-        change_of_load = finest.local.imbalance(finest.solid.field, gap, load.pressure)
+        missing, longest = (
+            load.missing(gap),
+            float(finest.solid.elasticity.stiffness(2 * np.pi / max(finest.grid.size))),
+        )
+        if missing is None:
+            change_of_load = finest.local.imbalance(finest.solid.field, gap, load.pressure)
+        else:  # as if the longest wave carried it
+            change_of_load = -longest * missing
         # Surfaces that come together jump in at any load.
         lag = max(options.lag / coarser.points_per_process_zone**4, options.least_lag) * law.peak_tensile_stress
         lag = 0.0 if first_contact else lag
@@ -103,11 +110,15 @@ class MultigridSolver:
         behind = float(np.copysign(lag, change_of_load))
         start = np.ascontiguousarray(gap[::2, ::2])
         coarse_load = coarser.finest.load_for(finest.solid.field[::2, ::2], start, load.pressure)
-        lagging = replace(coarse_load, pressure=coarse_load.pressure - behind)
+        if missing is not None:
+            coarse_load = replace(coarse_load, mean_gap=float(start.mean()) + missing)
+        lagging = coarse_load.less(behind, longest)
         result = coarser._descend(start, lagging, options.coarse_tolerance, max_iterations, first_contact, start)
         if result.outcome is not Outcome.CONVERGED:
             return gap
         reached = result.gap
+        if missing is not None:
+            coarse_load = replace(coarse_load, pressure=result.pressure)
         if lag:
             steps = options.tangent_steps if coarser.points_per_process_zone >= options.points_for_steps else 1
             reached = coarser.finest.follow_tangent(reached, coarse_load, options.tangent_limit, steps, reached)

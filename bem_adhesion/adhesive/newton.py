@@ -5,6 +5,7 @@ between two full evaluations K d follows the changes of d by transforms in float
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -118,6 +119,12 @@ class NewtonSolver:
         """Evaluate energy and gradient at a gap whose K d is in the solid's field."""
         return self.local.energy_and_gradient(self.solid.field, gap, load, self._right_side, self.curvature)
 
+    def _balancing(self, load: Load, gap: np.ndarray) -> Load:
+        """Return the load with the pressure under which a gap that was pressed is in balance in the mean."""
+        if not gap.any():  # all points touch a wall: the pressure at which a first one is pulled off
+            return replace(load, pressure=-float(self.solid.field.min()) - self.law.peak_tensile_stress)
+        return replace(load, pressure=-self.local.imbalance(self.solid.field, gap, 0.0))
+
     def is_detaching(self, gap: np.ndarray, state: EnergyAndGradient) -> bool:
         """Return whether a tension separates the surfaces with every point beyond the peak: then for ever."""
         tension = self.solid.mean_stiffness == 0 and state.total < 0 and self.local.springs is None
@@ -135,15 +142,22 @@ class NewtonSolver:
     ) -> NewtonResult:
         """Descend from a gap, which is overwritten, to max|gradient| <= ``tolerance``, or balance if it ``carries``.
 
-        A ``known`` gap, this or another, was evaluated last under this load's field; it is overwritten as well.
+        A ``known`` gap, this or another, was evaluated last under this load's field; it is overwritten as well. A mean
+        gap that the load prescribes is met to the tolerance.
         """
         state = self._evaluate_from(known, gap, load)
+        if load.mean_gap is not None:
+            load = self._balancing(load, gap)
+            state = self._pressed(gap, load)
         trial = np.empty_like(gap) if known is None or known is gap else known
         damping, iteration, stepped = 0.0, 0, True
         least = np.inf if self.corrector is None or self.local.springs else self.options.subdomain_residual
         self._saddle_steps = 0
 
         def excess_of(state: EnergyAndGradient) -> Excess:
+            missing = load.missing(gap)
+            if missing is not None:
+                return Excess(state.largest / tolerance, abs(missing) / tolerance)
             return self.excess_of(state, gap, load, tolerance) if carries else Excess(state.largest / tolerance, 0.0)
 
         outcome = None
@@ -176,12 +190,19 @@ class NewtonSolver:
                 iteration += 1
                 removed = first_contact and state.largest > self.options.first_contact_residual
                 # While points jump in, the mean pressure may wait.
-                light = excess.load > excess.residual and state.largest < self.options.close
-                taken = self._newton_step(state, 1.0 if removed else damping, excess, light)
+                light = excess.load > excess.residual and state.largest < self.options.close and load.mean_gap is None
+                missing = load.missing(gap)
+                if missing is not None and abs(missing) < self.options.settled_mean * tolerance:
+                    missing = 0.0  # to move the mean takes a transform
+                taken = self._newton_step(state, 1.0 if removed else damping, excess, light, missing)
                 if taken is None:
                     outcome = Outcome.STALLED
                     break
-                used, raised = taken
+                used, raised, stress = taken
+                if missing is not None:
+                    # The step leads to balance under another pressure, at which the energy falls along it.
+                    load = replace(load, pressure=load.pressure + stress)
+                    state = state._replace(energy=state.energy + stress * float(gap.sum()))
                 self._shorten_fall(gap, abs(state.total), light)
                 new_state, fraction = self._line_search(gap, load, state, trial)
                 if new_state is not None:
@@ -194,39 +215,43 @@ class NewtonSolver:
                     state = self._pressed(gap, load)  # the trials have overwritten curvature and right side
         # The solver has evaluated this gap last.
         reaction = self.local.reaction(self.solid.field, gap, load.pressure)
-        return NewtonResult(gap, reaction, state.largest, iteration, outcome)
+        return NewtonResult(gap, reaction, state.largest, iteration, outcome, load.pressure)
 
     def _newton_step(
-        self, state: EnergyAndGradient, damping: float, excess: Excess, light: bool
-    ) -> tuple[float, bool] | None:
-        """Compute a step, of a light load its mean, too; return its damping, whether it was raised, None if stalled."""
+        self, state: EnergyAndGradient, damping: float, excess: Excess, light: bool, mean: float | None
+    ) -> tuple[float, bool, float] | None:
+        """Compute a step, of a light load or a given ``mean`` its mean, too; None if stalled.
+
+        Returns its damping, whether it was raised, and the change of pressure that holds the mean.
+        """
         options, raised = self.options, False
         while True:
             reduction = options.damped_reduction if damping else options.reduction
             if damping == 0 and state.largest <= options.close:
-                reduction = max(options.beyond_tolerance / max(excess), options.close_reduction)
+                above = max(excess) if mean is None else excess.residual
+                reduction = max(options.beyond_tolerance / above, options.close_reduction)
                 reduction = min(reduction, options.damped_reduction)
             total = reduction * abs(state.total) if light else np.inf
             result = self._linearised.solve(
-                self._right_side, self.curvature, 1 - damping, reduction, options.linear_iterations, total
+                self._right_side, self.curvature, 1 - damping, reduction, options.linear_iterations, total, mean
             )
             self.local.hold(self.curvature, self._linearised.solution)
             self.local.hold(self.curvature, self._linearised.direction)
             if not result.negative_curvature:
                 self._saddle_steps = self._saddle_steps if damping else 0
-                return damping, raised
+                return damping, raised, result.stress
             if self._stalls:
                 return None
             if damping == 1:
                 # K + D⁺ is zero to the rounding of single precision: what was reached before is a descent.
                 if result.iterations == 1:
                     self._linearised.solution[...] = self._along_direction(self.law.length)
-                return damping, raised
+                return damping, raised, result.stress
             near_saddle = state.largest < options.saddle_residual and self._saddle_steps < options.saddle_steps
             if damping == 0 and not raised and near_saddle:
                 self._saddle_steps += 1
                 self._linearised.solution += self._along_direction(options.saddle_step * self.law.length)
-                return damping, raised
+                return damping, raised, result.stress
             damping = self._more_damping(damping)
             raised = True
 
@@ -318,9 +343,8 @@ class NewtonSolver:
         start, inside = gap, self.inside
         for _ in range(steps):
             self._evaluate_from(known, gap, load)
-            result = self._linearised.solve(
-                self._right_side, self.curvature, 1.0, self.options.tangent_reduction, self.options.linear_iterations
-            )
+            limits = self.options.tangent_reduction, self.options.linear_iterations
+            result = self._linearised.solve(self._right_side, self.curvature, 1.0, *limits, mean=load.missing(gap))
             step = self._linearised.solution
             self.local.hold(self.curvature, step)
             change = np.abs((gap - start + step)[inside] / (start[inside] + self.local.margin))

@@ -22,6 +22,7 @@ class NewtonOptions:
     close_reduction: float = 0.03
     beyond_tolerance: float = 0.5
     linear_iterations: int = 60
+    settled_mean: float = 0.1  # error of a prescribed mean gap over its tolerance below which steps leave it
     short_waves: float = SHORT_WAVES  # ω of the preconditioner, see contact_study.numerics.multigrid
     step_limit: float = 0.4  # largest relative change of an attracted gap in one step
     # Damping of negative curvature: first value, factor after a failure, factor after a success.

@@ -19,6 +19,7 @@ from contact_study.numerics.multigrid import HALVINGS, HalvedInverse, Inverse, c
 
 # Rounding of float32: below this fraction of its terms the energy of a direction is negative.
 CURVATURE_ROUNDING = 1e-7
+UNIFORM = 1e-6  # rounding of a uniform field by transforms in float32, over the field
 STIFFNESS_REDUCTION, STIFFNESS_ITERATIONS = 1e-4, 400  # of a contact stiffness
 
 
@@ -120,11 +121,52 @@ def _descend(curvature, shift, grid, softening, alpha, direction, solution, resi
     return square, core_product
 
 
+@kernel
+def _uniform_response(curvature, shift, grid, response, out):
+    """Write M⁻¹ 1 from its part in the tail, b·``response``; return its sum."""
+    total = 0.0
+    zero = response.dtype.type(0)
+    one = response.dtype.type(1)
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            positive = max(curvature[i, j], zero)
+            tail = shift / (positive + shift)
+            out[i, j] = (one - tail) / (positive + grid) + np.sqrt(tail) * response[i, j]
+            total += out[i, j]
+    return total
+
+
+@kernel
+def _project(curvature, shift, grid, response, whole, residual, buffer):
+    """Subtract the uniform stress from r that leaves M⁻¹ r without mean; return it, and the change of Σ r z."""
+    total = 0.0
+    zero = response.dtype.type(0)
+    one = response.dtype.type(1)
+    for i in range(residual.shape[0]):
+        for j in range(residual.shape[1]):
+            positive = max(curvature[i, j], zero)
+            tail = shift / (positive + shift)
+            total += ((one - tail) / (positive + grid) + np.sqrt(tail) * response[i, j]) * residual[i, j]
+    stress = total / whole
+    uniform = response.dtype.type(stress)
+    for i in range(residual.shape[0]):
+        for j in range(residual.shape[1]):
+            residual[i, j] -= uniform
+            buffer[i, j] -= uniform * response[i, j]
+    return stress, -total * stress
+
+
 class LinearResult(NamedTuple):
-    """Iterations of a linear solve, and whether it stopped at a direction of negative curvature."""
+    """Iterations of a linear solve, whether it stopped at negative curvature, and the stress that holds a mean."""
 
     iterations: int
     negative_curvature: bool
+    stress: float = 0.0
+
+
+def _without_mean(square: float, residual: np.ndarray) -> float:
+    """Return Σ (r − <r>)² by Σ r²."""
+    return max(square - float(residual.sum(dtype=float)) ** 2 / residual.size, 0.0)
 
 
 class LinearisedContact:
@@ -149,29 +191,70 @@ class LinearisedContact:
         reduction: float,
         iterations: int,
         total: float = np.inf,
+        mean: float | None = None,
     ) -> LinearResult:
-        """Solve (K + D⁺ + softening·D⁻) x = right side: |residual| <= reduction·|right side|, |Σ residual| <= total."""
+        """Solve (K + D⁺ + softening·D⁻) x = right side: |residual| <= reduction·|right side|, |Σ residual| <= total.
+
+        A given ``mean`` of x is held by a uniform stress: the preconditioned residuals have none (N. I. M. Gould,
+        M. E. Hribar and J. Nocedal, SIAM J. Sci. Comput. 23 (4), 2001).
+        """
         operator, buffer = self.operator, self.operator.field
         weights = self._shift, self._grid
         kept = np.float32(softening)
         residual, direction, solution = self._residual, self.direction, self.solution
+        stress = 0.0
+        if mean is not None:
+            response, moved, whole = self._respond(curvature)
+            moved *= np.float32(mean / whole * moved.size)
+            right_side = self._left_by(moved, right_side, curvature, kept) if mean else right_side
         square, core_product = _begin(right_side, curvature, *weights, residual, direction, solution, buffer)
+        if mean:
+            solution += moved
         target = reduction**2 * square
+        if mean is not None:
+            bending = _without_mean(square, residual)
+            target = max(reduction**2 * bending, UNIFORM**2 * square)
+            if bending <= UNIFORM**2 * square:
+                return LinearResult(0, False, float(residual.mean(dtype=float)))
         previous = np.inf
         for iteration in range(1, iterations + 1):
             product = core_product + self._preconditioner.apply_and_sum()
+            if mean is not None:
+                uniform, change = _project(curvature, *weights, response, whole, residual, buffer)
+                stress, product = stress + uniform, product + change
             beta = np.float32(product / previous)
             local, length = _direct(curvature, residual, *weights, kept, beta, direction, buffer)
             elastic = operator.apply_and_sum(operator.stiffness)
             energy = local + elastic
             if energy <= CURVATURE_ROUNDING * length and energy <= self._rounding(curvature, kept, elastic, length):
-                return LinearResult(iteration, True)
+                return LinearResult(iteration, True, stress)
             alpha = np.float32(product / energy)
             square, core_product = _descend(curvature, *weights, kept, alpha, direction, solution, residual, buffer)
             previous = product
+            square = square if mean is None else _without_mean(square, residual)
             if square <= target and (np.isinf(total) or abs(residual.sum(dtype=float)) <= total):
                 break
-        return LinearResult(iteration, False)
+        if mean is not None:
+            stress += float(residual.mean(dtype=float))
+        return LinearResult(iteration, False, stress)
+
+    def _respond(self, curvature: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the part of M⁻¹ 1 in the tail without its factor b, M⁻¹ 1, and the sum of that."""
+        buffer, weights = self.operator.field, (self._shift, self._grid)
+        self.solution[...] = 1
+        _begin(self.solution, curvature, *weights, self._residual, self.direction, self.direction, buffer)
+        self._preconditioner.apply_and_sum()
+        response, moved = buffer.copy(), np.empty_like(buffer)
+        return response, moved, _uniform_response(curvature, *weights, response, moved)
+
+    def _left_by(
+        self, moved: np.ndarray, right_side: np.ndarray, curvature: np.ndarray, softening: np.float32
+    ) -> np.ndarray:
+        """Return what a displacement leaves of the right side."""
+        self.operator.field[...] = moved
+        left = right_side - self.operator.apply(self.operator.stiffness)
+        left -= np.where(curvature < 0, softening * curvature, curvature) * moved
+        return left
 
     def _rounding(self, curvature: np.ndarray, softening: np.float32, elastic: float, length: float) -> float:
         """Return the rounding of the energy of the direction s with <s, K s> = ``elastic`` and |s|² = ``length``."""

@@ -19,7 +19,7 @@ from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import Exponential, HardWall
 from contact_study.physics.process_zone import process_zone
-from contact_study.physics.solids import HalfSpace, Tabulated
+from contact_study.physics.solids import HalfSpace, Layer, Tabulated
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, relative_contact_area, self_affine, stepped, surface
 
 CLOSE = NewtonOptions().close
@@ -76,7 +76,8 @@ def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
     grid = Grid((32, 32), (520e-10, 520e-10))
     contact = AdhesiveContact(np.zeros(grid.shape), grid, E_STAR, law(8.0), "gap")
     finest, flat = contact.levels.finest, np.full(grid.shape, (R0 + 3e-10) / R0)
-    held = contact._load(-contact._tension(flat) - contact._spring * flat[0, 0])
+    tension = float(contact._law.traction(flat[0, 0]))
+    held = contact._load(-tension - contact._spring * flat[0, 0])
     uniform = finest.evaluate(flat, held)
     assert uniform.largest < 1e-12
     assert finest.evaluate(contact.levels.leave_saddle(flat, held), held).energy < uniform.energy
@@ -99,6 +100,24 @@ def test_a_state_in_balance_costs_its_residual_and_a_search_for_saddles_on_a_coa
     assert again.iterations == 0
     # One pair; for the search at most eight iterations of two pairs, in single precision on a quarter of the points.
     assert again.fft_pairs <= 1 + 8 * 2 / 2 / 4
+
+
+@pytest.mark.parametrize("control", ["gap", "approach"])
+def test_a_given_displacement_costs_little_more_than_a_given_pressure(control):
+    rough = surface(128)
+    solid = HalfSpace(E_STAR) if control == "gap" else Layer(E_STAR, 0.3, 0.25 * SIZE)
+    by_pressure, held = (
+        AdhesiveContact(rough.sampled, rough.grid, solid, law(), kind) for kind in ("pressure", control)
+    )
+    pressed = stepped(by_pressure, np.array([0.2, 1, 5]) * 1e9)
+    top = rough.sampled.max() + by_pressure.law.equilibrium_distance
+    planes = [each.displacement.mean() - solid.compression(each.pressure.mean()) for each in pressed]
+    targets = [each.mean_gap for each in pressed] if control == "gap" else [top - plane for plane in planes]
+    moved = stepped(held, targets)
+    for one, other in zip(pressed, moved, strict=True):
+        # Residuals of 1e-8 E* over the softest stiffness.
+        np.testing.assert_allclose(other.gap, one.gap, atol=1e-6 * R0)
+    assert sum(each.fft_pairs for each in moved) < 1.3 * sum(each.fft_pairs for each in pressed)
 
 
 def test_further_tangent_steps_close_in_within_the_same_limit():
@@ -216,6 +235,14 @@ def test_linear_solver_against_a_dense_matrix():
     assert result.iterations < 60
     # Residual 1e-5 times the condition number of a few tens.
     np.testing.assert_allclose(solver.solution, expected, atol=1e-3 * np.abs(expected).max())
+    # With a mean that a uniform stress holds: the same matrix, bordered by ones.
+    bordered = np.ones((grid.points + 1, grid.points + 1))
+    bordered[:-1, :-1], bordered[-1, -1] = dense.reshape(grid.points, -1), 0.0
+    *bent, stress = np.linalg.solve(bordered, np.append(right_side.ravel(), 0.7 * grid.points))
+    held = solver.solve(right_side, curvature, 1.0, 1e-5, 200, mean=0.7)
+    assert (held.negative_curvature, held.iterations < 60) == (False, True)
+    np.testing.assert_allclose(solver.solution.ravel(), bent, atol=1e-3 * np.abs(bent).max())
+    assert held.stress == pytest.approx(stress, rel=1e-4)
     # Softer than the half-space holds, which is E* q / 2 = 0.05.
     assert solver.solve(right_side, np.full_like(curvature, -1.0), 1.0, 0.1, 50).negative_curvature
 
