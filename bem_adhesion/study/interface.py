@@ -7,7 +7,7 @@ import numpy as np
 from bem_adhesion.operators import Progress
 from bem_adhesion.solution import Solution
 from contact_study.numerics import life
-from contact_study.physics.solids import Elasticity
+from contact_study.physics.solids import Elasticity, HalfSpace
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState, SolverReport
 from contact_study.study.case import Case
@@ -43,6 +43,8 @@ def interface_state(case: Case, solution: Solution, surface: Surface, stiffness:
     gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation
     separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
     further = {} if stiffness is None else {"contact_stiffness": stiffness}
+    if stiffness is not None and isinstance(case.solid, HalfSpace):
+        further["contact_conductance"] = stiffness / case.solid.contact_modulus if stiffness >= 0 else np.nan
     if yielded is not None:  # the pressure on a yielding point is the hardness throughout
         further["plastic_work"] = (case.material.hardness or 0.0) * float(np.mean(yielded))
     touching = case.law.in_contact(gap, pressure, case.contact_distance)

@@ -30,7 +30,7 @@ class Model:
     references: str
     takes_predictor: bool = False  # whether a step may start from the gap field of another dataset
     ignores: tuple[str, ...] = ()  # sections of the study file that it does not read
-    keeps: tuple[str, ...] = ("fields",)  # keys of [output] that select optional content of a step
+    keeps: tuple[str, ...] = ("fields", "leakage")  # keys of [output] that select optional content of a step
     whole_path: bool = False  # whether the numbers of a step depend on the whole path, not only on its points so far
     own_steps: bool = False  # whether it takes the steps of ``loading.adaptive`` between the points of a path
     threads: int = 1  # cores that a case of any surface keeps busy
@@ -68,7 +68,7 @@ _ALL = (
         references=_YANG,
         takes_predictor=True,
         ignores=("theory",),
-        keeps=("fields", "atoms"),
+        keeps=("fields", "leakage", "atoms"),
     ),
     Model(
         command="persson-theory",

@@ -24,6 +24,7 @@ COARSER_BINS = "the bins of its distributions were coarser than those asked for 
 # Optional content of a step, in rising order, by the key of [output].
 _KEPT: Mapping[str, tuple[Any, ...]] = {
     "fields": (False, True),
+    "leakage": (False, True),
     "atoms": ("none", "surface", "block"),
     "field_precision": ("single", "double"),
 }

@@ -22,7 +22,7 @@ from contact_study.numerics.distributions import Bins
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
 from contact_study.numerics.time_series import LEAST_STATES, statistics_of
 from contact_study.results import schema
-from contact_study.results.observables import AVERAGED, observed, recorded
+from contact_study.results.observables import AVERAGED, observed, options_of, recorded
 from contact_study.results.schema import AUTOCORRELATION_TIME, STANDARD_ERROR, TRAJECTORY, quantity_of
 from contact_study.results.state import Ensemble, InterfaceState, Step, Value
 from contact_study.study.case import Case, realise
@@ -48,6 +48,11 @@ class Job:
     file: Path
     predictor: Path | None
     height_maps: Mapping[str, str]
+
+    @property
+    def options(self) -> frozenset[str]:
+        """Keys of the observables that the study asks for."""
+        return options_of(self.case.output)
 
     def missing(self, file: CaseFile) -> int:
         """Number of steps of the case that its file lacks."""
@@ -88,7 +93,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         if start == len(case.path):
             return
         partial = kept.partial(start)
-        averages = Averages.restored(partial, job.bins, start in case.kept_fields) if partial else None
+        averages = Averages.restored(partial, job.bins, start in case.kept_fields, job.options) if partial else None
         restart = _part(partial, _RESTART) if averages else (kept.state(start - 1) or None) if start else None
         gaps = None
         if job.predictor is not None:
@@ -129,8 +134,8 @@ def _recorded(
     """Evaluate a point; averages over an ensemble go to disk from time to time."""
     fields = number in job.case.kept_fields
     if not isinstance(point, Ensemble):
-        return recorded(point, job.bins, fields)
-    averages = averages or Averages(job.bins, fields, point.discarded)
+        return recorded(point, job.bins, fields, job.options)
+    averages = averages or Averages(job.bins, fields, point.discarded, job.options)
     saved = time.monotonic()
     for count, state in enumerate(point.states):
         # Only before a further state: after the last one there is nothing to continue.
@@ -188,22 +193,26 @@ class Averages:
     bins: Bins
     fields: bool
     discarded: int | None
+    options: frozenset[str] = frozenset()
     series: dict[str, list[Any]] = field(default_factory=dict)
     sums: dict[str, np.ndarray] = field(default_factory=dict)
     last: InterfaceState | None = None
 
     @classmethod
-    def restored(cls, kept: Mapping[str, np.ndarray], bins: Bins, fields: bool) -> "Averages | None":
+    def restored(
+        cls, kept: Mapping[str, np.ndarray], bins: Bins, fields: bool, options: frozenset[str] = frozenset()
+    ) -> "Averages | None":
         """Restore the averages from :attr:`kept`; None if bins or fields have changed."""
         if not np.array_equal(kept[_BINS], np.ravel(bins.spans)) or bool(kept[_FIELDS][0]) != fields:
             return None
         discarded = int(kept[_FIELDS][1])
         series = {name: list(values) for name, values in _part(kept, _SERIES).items()}
-        return cls(bins, fields, None if discarded == _ALL_BUT_ONE else discarded, series, _part(kept, _SUMS))
+        discards = None if discarded == _ALL_BUT_ONE else discarded
+        return cls(bins, fields, discards, options, series, _part(kept, _SUMS))
 
     def add(self, state: InterfaceState) -> None:
         self.last = state
-        for name, value in observed(state, self.bins).items():
+        for name, value in observed(state, self.bins, self.options).items():
             if name in AVERAGED or name == _TIME:
                 self.series.setdefault(name, []).append(value)
         if self.fields and self._counted > 0:
@@ -233,12 +242,13 @@ class Averages:
         """Means with standard errors, and the series of scalars; of detached surfaces, and of atoms, the last state."""
         last = self.last
         assert last is not None
-        report = {name: value for name, value in observed(last, self.bins).items() if name not in AVERAGED}
+        of_last = observed(last, self.bins, self.options)
+        report = {name: value for name, value in of_last.items() if name not in AVERAGED}
         series = {name: np.array(values) for name, values in self.series.items()}
         frames = {f"{TRAJECTORY}/{name}": values for name, values in series.items() if values.ndim == 1}
         if last.report.detached:
             fields = {"gap": last.gap, "pressure": last.pressure} if self.fields else {}
-            return Step({**observed(last, self.bins), **frames}, {**fields, **last.atoms}, last.restart, self.bins)
+            return Step({**of_last, **frames}, {**fields, **last.atoms}, last.restart, self.bins)
         values: dict[str, Any] = {}
         unresolved: dict[str, float] = {}  # least autocorrelation time in states
         counted = self._counted

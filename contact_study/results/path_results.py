@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from contact_study.results.percolation import PERCOLATION
 from contact_study.results.state import PASSED, Variable
 
 UNACCOUNTED = 0.02  # share of the exchanged work and energy that a smooth step may leave unaccounted for
@@ -27,6 +28,7 @@ PATH_RESULTS: dict[str, Variable] = {
     "jump_in_force": Variable("N", "force before the first jump-in: jump_in_pressure times the nominal area", ()),
     "approach_energy": Variable("J", "work_of_approach times the nominal area", ()),
     "separation_energy": Variable("J", "work_of_separation times the nominal area", ()),
+    **PERCOLATION,
 }
 _TIMES_AREA = {
     "pull_off_pressure": "pull_off_force",

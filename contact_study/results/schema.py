@@ -175,6 +175,9 @@ COORDINATES: dict[str, Variable] = {
     "relative_distance": Variable(
         "1", "distance over the shorter side of the cell (middle of a ring)", ("relative_distance",)
     ),
+    "relative_patch_area": Variable(
+        "1", "area of a contact cluster over that of the cell (middle of an octave)", ("relative_patch_area",)
+    ),
     "wavevector": Variable("m-1", "roughness wavevector", ("wavevector",)),
     "magnification": Variable(
         "1", "magnification: wavevector up to which roughness counts over the smallest one", ("magnification",)

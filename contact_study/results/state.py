@@ -138,9 +138,9 @@ class Variable:
         return {"_FillValue": self.empty, **compressed}
 
 
-def noted(units: str, long_name: str, comment: str) -> Variable:
-    """Return the entry of a quantity of a step with a comment."""
-    return Variable(units, long_name, attrs={"comment": comment})
+def noted(units: str, long_name: str, comment: str, dims: tuple[str, ...] = ("step",)) -> Variable:
+    """Return the entry of a quantity with a comment."""
+    return Variable(units, long_name, dims, attrs={"comment": comment})
 
 
 @dataclass(frozen=True)
@@ -150,3 +150,4 @@ class Observable:
     variables: Mapping[str, Variable]
     read: Callable[[InterfaceState, Bins], Mapping[str, Value]]
     averaged: bool = True  # whether an ensemble has the mean over its states, not the value of the last one
+    option: str = ""  # key of [output] that asks for it; default always

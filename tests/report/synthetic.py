@@ -10,7 +10,7 @@ import numpy as np
 from contact_study.campaign.dataset.assembly import assemble
 from contact_study.campaign.dataset.file import write_dataset
 from contact_study.report.read.datasets import read_inputs
-from contact_study.results.observables import RELATIVE_DISTANCE
+from contact_study.results.observables import FIXED_COORDINATES
 from contact_study.results.schema import SCHEMA_VERSION
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
@@ -129,7 +129,7 @@ def _assemble(path, kind, text, unconverged, detached, attrs):
         ]
         cases.append((case.index, _constants(case, kind), steps))
     longest = max(len(steps) for _, _, steps in cases)
-    along = {"pressure_bin": bins.pressure, "gap_bin": bins.gap, "relative_distance": RELATIVE_DISTANCE}
+    along = {"pressure_bin": bins.pressure, "gap_bin": bins.gap, **FIXED_COORDINATES}
     groups = assemble(asked.sweep, longest, cases, along)
     own = {"title": asked.title, "source": f"synthetic {kind}", "model": kind, "study_toml": asked.toml}
     own |= {"history": "2026-01-01T00:00:00+00:00: made up", "references": "none", "warnings": ""}

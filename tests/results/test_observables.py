@@ -5,7 +5,15 @@ import pytest
 
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.grid import Grid
-from contact_study.results.observables import ENTRIES, FURTHER, OBSERVABLES, OVERCOUNT, observed, recorded
+from contact_study.results.observables import (
+    ENTRIES,
+    FURTHER,
+    OBSERVABLES,
+    OVERCOUNT,
+    RELATIVE_DISTANCE,
+    observed,
+    recorded,
+)
 from contact_study.results.schema import VARIABLES, heights_on
 from contact_study.results.state import InterfaceState, SolverReport, Step
 
@@ -43,7 +51,15 @@ def test_observables_of_a_state_made_by_hand():
     # Of the lags within half of the shorter side, 3 points along x, there is one: a third of it, in one pair of six.
     pairs = found.pop("contact_autocorrelation")
     np.testing.assert_allclose(pairs[~np.isnan(pairs)], [1 / 6])
+    # All three points without contact are 1 Å from it, a third of the shorter side.
+    gaps = found.pop("gap_at_distance")
+    assert list(np.flatnonzero(~np.isnan(gaps))) == [np.searchsorted(RELATIVE_DISTANCE, 1 / 3) - 1]
+    assert np.nanmax(gaps) == pytest.approx((5 + 5 + 7) * 1e-10 / 3 - 2e-10)
+    sizes = found.pop("patch_size_density")
+    assert sizes[-1] == 2.0  # one patch in the octave of half a cell and more
+    assert sizes.sum() == 2.0
     assert found == {
+        "mean_patch_diameter": pytest.approx(2 * np.sqrt(3 * 2e-20 / np.pi)),
         "mean_separation": 2.2e-10,
         "displacement": pytest.approx(0.8e-10, rel=1e-12),
         "contact_radius": pytest.approx(np.sqrt(3 * 2e-20 / np.pi), rel=1e-12),
@@ -100,7 +116,7 @@ def test_names_are_spelt_once_and_have_entries():
     report = SolverReport(True, False, 0.0, 1, 0.0, 1, complementarity_residual=0.0, acceptance_rate=0.8)
     further = dict.fromkeys([*FURTHER.variables, "time"], 1.0)
     indentation = np.array([[1e-10, 0.0, 0.0], [5e-10, 0.0, 0.0]])
-    found = observed(state(report=report, further=further, plastic_indentation=indentation), BINS)
+    found = observed(state(report=report, further=further, plastic_indentation=indentation), BINS, ["leakage"])
     assert found["relative_plastic_area"] == pytest.approx(2 / 6)
     assert found["mean_plastic_indentation"] == pytest.approx(1e-10)
     assert set(found) == set(names) == set(ENTRIES)

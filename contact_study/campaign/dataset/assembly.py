@@ -12,8 +12,9 @@ from contact_study.campaign.progress import Progress
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.numerics.distributions import Bins, redistributed
 from contact_study.results import schema
-from contact_study.results.observables import RELATIVE_DISTANCE
+from contact_study.results.observables import FIXED_COORDINATES
 from contact_study.results.path_results import PATH_RESULTS, path_results, series_of, with_forces
+from contact_study.results.percolation import percolation_threshold
 from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, quantity_of, variable_of
 from contact_study.study.case import Case
 from contact_study.study.study import Study
@@ -30,7 +31,7 @@ def assemble_cases(
 ) -> tuple[dict[str, xr.Dataset], list[str]]:
     """Assemble the groups of a study's dataset by name, "" for the root, from its cases in order; and warnings."""
     rebinned: list[int] = []
-    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap, "relative_distance": RELATIVE_DISTANCE}
+    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap, **FIXED_COORDINATES}
     pairs = progress.through(list(zip(study.cases, sources, strict=True)), "cases written to the dataset")
     longest = max(len(case.path) for case in study.cases)
     groups = assemble(study.sweep, longest, (_read(*pair, bins, rebinned) for pair in pairs), coordinates)
@@ -66,6 +67,7 @@ def _read(case: Case, source: CaseSource, bins: Bins, rebinned: list[int]) -> _C
             del constants[name]
         cell = case.surface.cell(case.directory)
         constants |= with_forces(path_results(series_of(steps, control), control), math.prod(cell or ()))
+        constants |= percolation_threshold(steps)
     return case.index, constants, steps
 
 

@@ -18,6 +18,7 @@ from contact_study.campaign.store.case_file import RecordFile, write_records
 from contact_study.campaign.store.files import engine_of, is_dataset, is_zarr, readable, write_aside
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
+from contact_study.results.observables import FIXED_COORDINATES
 from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
 from contact_study.study.study import Study
 
@@ -196,7 +197,7 @@ class DatasetReader:
     def _read_quantities(self) -> Iterator[_Quantity]:
         """Yield the quantities of all groups; those larger than a distribution stay in the file."""
         sweep = self.study.sweep
-        whole_study = {*sweep, *LABELS, "step", "pressure_bin", "gap_bin", "relative_distance"}
+        whole_study = {*sweep, *LABELS, "step", "pressure_bin", "gap_bin", *FIXED_COORDINATES}
         for node in self.tree.subtree:
             group = node.path.strip("/")
             if group == _RESTART:

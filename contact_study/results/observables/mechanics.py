@@ -80,6 +80,12 @@ FURTHER = Observable(
             "contact stiffness -dp/du of the linearised problem",
             "u: mean gap; free boundaries: position of the undeformed surface",
         ),
+        "contact_conductance": noted(
+            "m-1",
+            "contact conductance per nominal area over the half-spaces' harmonic mean conductivity",
+            "contact_stiffness over contact modulus, by the analogy of J. R. Barber, Proc. R. Soc. A 459, 53 (2003); "
+            "exact for a wall without adhesion, whose contact alone conducts; half-spaces only",
+        ),
         "dissipated_energy": Variable("J m-2", "energy dissipated in jumps so far per nominal area, without pull-off"),
         "dissipated_energy_resolution_error": Variable(
             "J m-2", "uncertainty of dissipated_energy: position of a jump within its step"

@@ -273,7 +273,10 @@ class OutputSection:
         "atoms kept at every step: none, the bottom layer, or the explicit block (dynamics), too",
         "none",
     )
-    stiffness: bool = key(FLAG, "contact_stiffness of every step of the continuum, by one linear solve more", False)
+    stiffness: bool = key(
+        FLAG, "contact stiffness and conductance of every step of the continuum, by a linear solve", False
+    )
+    leakage: bool = key(FLAG, "hydraulic gaps of every step of a simulation, by a direct solve of Reynolds flow", False)
     restart: bool = key(FLAG, "keep the last state of each case, from which --resume lengthens its path", True)
     pressure_range: tuple[float, float] | None = key(
         keys.pair(quantity("Pa"), names="[low, high]"),
