@@ -81,6 +81,8 @@ class Solution:
     plastic_indentation : numpy.ndarray, shape (y, x), or None
         Permanent indentation at the hardness so far, >= 0 (m): the surfaces are at heights − indentation + gap. None
         without yielding.
+    plastic_work : float
+        Work that plastic indentation has taken so far per nominal area (J/m²).
     law : TractionLaw
         The law of the interface, which defines contact.
 
@@ -108,6 +110,7 @@ class Solution:
     complementarity_residual: float | None = None
     plane: float | None = None
     plastic_indentation: np.ndarray | None = None
+    plastic_work: float = 0.0
     law: TractionLaw = field(kw_only=True)
 
     def __post_init__(self):

@@ -11,6 +11,7 @@ from bem_adhesion.adhesive.multigrid import MultigridSolver
 from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.kernels.law import blocks
 from bem_adhesion.kernels.local_energy import LocalEnergy
+from bem_adhesion.kernels.local_law import LocalLaw
 from bem_adhesion.linear.conjugate_gradients import typical_wavenumber
 from bem_adhesion.operators import Load, Trace, Window, Work, periodic
 from bem_adhesion.solution import NewtonResult, Outcome, Solution, check_arguments, require_solution
@@ -24,6 +25,7 @@ from contact_study.physics.solids import Elasticity, elasticity_of
 NO_TENSION = 1e-3  # over the law's peak: the gap at which the tension has fallen to this is out of reach
 # Stiffness between core and tail, over the geometric mean of strongest softening and typical stiffness of the solid.
 PRECONDITIONER_SHIFT = 0.22
+GAP_CORRECTIONS = 20  # of the mean gap that a step holds where points yield
 APPROACH_REFINEMENTS = 5  # solves at smaller and smaller tolerance until an approach is reached
 TOUCHING = 1e-14  # rounding of a gap of zero outside a wall, over the largest height
 
@@ -47,7 +49,8 @@ class AdhesiveContact:
     """One rough surface against a solid under a law, see :func:`rough_contact`; heights outside the window are ignored.
 
     Inside, the units are the law's length and the contact modulus. Every step holds a mean gap by the pressure that it
-    finds; the solid's own stiffness against a uniform pressure holds an approach.
+    finds; the solid's own stiffness against a uniform pressure holds an approach. The work of adhesion varies in the
+    window alone. With a hardness the gap and a mean gap are over the surface as this step has indented it.
     """
 
     def __init__(
@@ -62,18 +65,23 @@ class AdhesiveContact:
         threads: int = 1,
         window: Window | None = None,
         trace: Trace | None = None,
+        work_of_adhesion: np.ndarray | None = None,
+        hardness: float = np.inf,
     ):
         self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
         check_arguments(grid, control, tolerance, max_iterations, self.elasticity)
         self.height, self.law = height, law
         self.control, self.tolerance, self.max_iterations = control, tolerance, max_iterations
+        self.hardness = hardness
         self._reach = reach(law)
         self._length = law.length
         self._law = law.scaled(self._length, self.elasticity.contact_modulus)
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
         self._inside: Any = window or ...
-        self._local = LocalEnergy(law, window=window)
+        strength = None if work_of_adhesion is None else work_of_adhesion / law.work_of_adhesion
+        pointwise = LocalLaw.of(law, strength, hardness, height[self._inside].shape)
+        self._local = LocalEnergy(law, window=window, pointwise=pointwise)
         solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
         inside, (dy, dx) = height[self._inside] / self._length, self._grid.spacing
         wavenumber = typical_wavenumber(inside, Grid(inside.shape, (inside.shape[0] * dy, inside.shape[1] * dx)))
@@ -88,7 +96,8 @@ class AdhesiveContact:
         self._work = Work(grid.points, trace)
         make_operator = periodic(solid, self._spring, threads, self._work)
         make_solver = partial(NewtonSolver, make_operator, self._law, shift)
-        self.levels = MultigridSolver(self._grid, make_solver, window)
+        scaled = pointwise.scaled(self._length, self.elasticity.contact_modulus)
+        self.levels = MultigridSolver(self._grid, make_solver, window, pointwise=scaled)
         self._heights = Load.of_heights(self.levels.finest.solid, height, 1 / self._length)
 
     def separated(self) -> np.ndarray:
@@ -108,11 +117,16 @@ class AdhesiveContact:
         before = self._work.pairs
         if self.control == "gap":
             mean_gap = target / self._length + self._law.equilibrium_distance
+            yield_gap = self.levels.finest.local.pointwise.yield_gap
+            if yield_gap is not None and mean_gap <= float(yield_gap.mean()):
+                raise ValueError(
+                    f"target = {target:g}: with a hardness surfaces close at no one pressure; give a larger gap"
+                )
             if out_of_reach:  # nothing deforms the solid on its way
                 gap += max(mean_gap - gap.mean(), 0.0)
             if mean_gap == 0:  # only at a wall can all points close, at any pressure above that of opening
                 gap[...] = 0
-            result = self._solve(gap, replace(self._heights, mean_gap=mean_gap), out_of_reach)
+            result = self._hold_gap(gap, mean_gap, out_of_reach)
         elif self.control == "approach":
             first_touch = float(self.height[self._inside].max()) + self.law.equilibrium_distance
             result = self._hold_approach(gap, (first_touch - target) / self._length, out_of_reach)
@@ -134,7 +148,8 @@ class AdhesiveContact:
             over_surface = gap[self._inside]
             touching = TOUCHING * max(self.height.max(), -self.height.min()) / self._length
             over_surface[np.abs(over_surface) <= touching] = 0.0
-        return gap
+        # A rounding may be below the yield gap of points that have yielded.
+        return self.levels.finest.local.without_yielding(gap)
 
     def _out_of_reach(self, gap: np.ndarray) -> bool:
         """Return whether the law acts on no point, for a gap in units of its length."""
@@ -156,6 +171,24 @@ class AdhesiveContact:
     def _load(self, pressure: float) -> Load:
         """Return the load at a mean pressure, in units of the contact modulus."""
         return replace(self._heights, pressure=pressure)
+
+    def _hold_gap(self, gap: np.ndarray, mean_gap: float, first_contact: bool) -> NewtonResult:
+        """Solve for a mean gap; what yields is no gap, so that the secant method finds what the solver has to hold."""
+        held, iterations = mean_gap, 0
+        previous: tuple[float, float] | None = None
+        for _ in range(GAP_CORRECTIONS):
+            result = self._solve(gap, replace(self._heights, mean_gap=held), first_contact)
+            iterations += result.iterations
+            gap, first_contact = result.gap, False
+            error = 0.0
+            if np.isfinite(self.hardness):
+                error = float(np.mean(self.levels.finest.local.without_yielding(gap))) - mean_gap
+            if result.outcome is not Outcome.CONVERGED or abs(error) <= self.tolerance:
+                return replace(result, iterations=iterations)
+            slope = 1.0 if previous is None else np.clip((error - previous[1]) / (held - previous[0]), 1e-3, 1.0)
+            previous = held, error
+            held -= error / slope
+        return replace(result, iterations=iterations, outcome=Outcome.ITERATION_LIMIT)
 
     def _hold_approach(self, gap: np.ndarray, plane: float, first_contact: bool) -> NewtonResult:
         """Solve until the undeformed surface is at its height, too: a small residual may move a soft mean far."""
@@ -184,7 +217,15 @@ class AdhesiveContact:
         elastic = 0.5 * work / gap.size + self.elasticity.compression_energy(mean)
         pull = max(0.0, -float(np.min(result.reaction))) if self.law.has_wall else None
         end = result.residual, result.iterations, pairs, result.outcome, pull
-        return Solution(displacement, displacement, gap, pressure, elastic, interaction, *end, law=self.law)
+        indentation = None
+        if np.isfinite(self.hardness):
+            yielded, gap = gap, self._local.without_yielding(gap)
+            indentation = gap - yielded
+            interaction -= self.hardness * float(indentation.mean())
+            if indentation[self._inside].all():
+                end = *end[:3], Outcome.YIELDED, pull
+        fields = displacement, displacement, gap, pressure, elastic, interaction
+        return Solution(*fields, *end, plastic_indentation=indentation, law=self.law)
 
     def _pressure(self, gap: np.ndarray, reaction: np.ndarray | float) -> tuple[np.ndarray, float]:
         """Return the pressure of the interface at a gap in metres (Pa), and its energy per area (J/m²)."""

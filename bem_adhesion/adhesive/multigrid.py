@@ -10,6 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from bem_adhesion.adhesive.newton import MakeSolver
 from bem_adhesion.adhesive.options import MultigridOptions
+from bem_adhesion.kernels.local_law import LocalLaw
 from bem_adhesion.operators import Load, Window
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.grid import Grid
@@ -27,23 +28,32 @@ STEPS = 3  # Newton steps in one subdomain before the whole takes one; more may 
 class MultigridSolver:
     """A :class:`NewtonSolver` whose load steps are predicted on coarser grids that resolve the law."""
 
-    def __init__(self, grid: Grid, make: MakeSolver, window: Window | None = None, memory: Memory | None = None):
-        self.finest = make(grid, window, memory)
+    def __init__(
+        self,
+        grid: Grid,
+        make: MakeSolver,
+        window: Window | None = None,
+        memory: Memory | None = None,
+        pointwise: LocalLaw | None = None,
+    ):
+        self.finest = make(grid, window, memory, pointwise)
         self.options = MultigridOptions.of(self.finest.law)
         idle = self.finest.idle
         # A subdomain is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.
         solid = self.finest.solid
         alike = solid.elasticity.on_any_grid and window is None and solid.mean_stiffness == 0
         if alike and min(grid.shape) >= FEWEST_POINTS:
-            self.finest.corrector = LocalNewton(grid, make, Memory(idle))
-        self.points_per_process_zone = process_zone(1.0, self.finest.law) / max(grid.spacing)
+            self.finest.corrector = LocalNewton(grid, make, Memory(idle), pointwise)
+        pointwise = pointwise or LocalLaw()
+        self.points_per_process_zone = process_zone(1.0, self.finest.law) / max(grid.spacing) / pointwise.strongest
         self.coarser: MultigridSolver | None = None
         half = grid.halved
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
         resolved = self.points_per_process_zone >= 2 * self.options.points_for_prediction
         if even and min(half.shape) >= self.options.fewest_points and resolved:
             own = window and tuple(slice((axis.stop + 1) // 2) for axis in window)
-            self.coarser = MultigridSolver(half, make, own, Memory(idle))
+            every_other = pointwise.on((slice(None, None, 2), slice(None, None, 2)))
+            self.coarser = MultigridSolver(half, make, own, Memory(idle), every_other)
 
     def solve(
         self, gap: np.ndarray, load: Load, tolerance: float, max_iterations: int, first_contact: bool = False
@@ -125,8 +135,14 @@ class MultigridSolver:
         coarser.finest.single.field[...] = reached - gap[::2, ::2]
         predicted, inside = gap + finest.single.interpolate(coarser.finest.single), finest.inside
         closest = options.closest_prediction * law.equilibrium_distance
-        # No gap falls below the smaller of itself and the closest.
-        np.maximum(predicted[inside], np.minimum(gap[inside], closest), out=predicted[inside])
+        # No gap falls below the smaller of itself and the closest, but where points yield.
+        lowest = np.minimum(gap[inside], closest)
+        yield_gap = coarser.finest.local.pointwise.yield_gap
+        if yield_gap is not None:
+            deepened = reached[coarser.finest.inside] < yield_gap
+            rows, columns = lowest.shape
+            lowest[np.repeat(np.repeat(deepened, 2, axis=0), 2, axis=1)[:rows, :columns]] = -np.inf
+        np.maximum(predicted[inside], lowest, out=predicted[inside])
         if law.has_wall:
             touching = np.zeros(reached.shape, bool)
             touching[coarser.finest.inside] = reached[coarser.finest.inside] == 0
@@ -143,12 +159,13 @@ class LocalNewton:
     of Newton steps while all else rests. The next one of all corrects K'.
     """
 
-    def __init__(self, grid: Grid, make: MakeSolver, memory: Memory | None = None):
+    def __init__(self, grid: Grid, make: MakeSolver, memory: Memory | None = None, pointwise: LocalLaw | None = None):
+        self._pointwise = pointwise or LocalLaw()
         self._tile = grid.shape[0] // TILES, grid.shape[1] // TILES
         rows, columns = (TILES_OF_SUBDOMAIN * tile for tile in self._tile)
         dy, dx = grid.spacing
         subdomain = Grid((rows, columns), (rows * dy, columns * dx))
-        self.solver = make(subdomain, memory=memory)
+        self.solver = make(subdomain, memory=memory, pointwise=self._pointwise.on((slice(rows), slice(columns))))
         down, across = _ramp(rows), _ramp(columns)
         self._springs = self.solver.solid.largest * np.maximum(down[:, None], across[None, :]) ** 2
 
@@ -165,6 +182,7 @@ class LocalNewton:
             rows = (row * self._tile[0] + np.arange(solver.grid.shape[0])) % gap.shape[0]
             columns = (column * self._tile[1] + np.arange(solver.grid.shape[1])) % gap.shape[1]
             here = np.ix_(rows, columns)
+            solver.local.pointwise = self._pointwise.on(here)
             local_load = solver.load_for(pressing[here], gap[here], load.pressure)
             # Where subdomains overlap, the next starts from the result of the last.
             start = out[here]

@@ -13,6 +13,7 @@ import numpy as np
 
 from bem_adhesion.adhesive.options import NewtonOptions
 from bem_adhesion.kernels.local_energy import EnergyAndGradient, LocalEnergy
+from bem_adhesion.kernels.local_law import LocalLaw
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact, preconditioner_for
 from bem_adhesion.operators import Load, MakeOperator, Window
 from bem_adhesion.solution import NewtonResult, Outcome
@@ -41,6 +42,7 @@ class NewtonSolver:
         grid: Grid,
         window: Window | None = None,
         memory: Memory | None = None,
+        pointwise: LocalLaw | None = None,
     ):
         memory = memory or Memory()
         make = partial(make_operator, memory=memory)
@@ -48,7 +50,7 @@ class NewtonSolver:
         self.inside: Any = window or ...
         self.solid = make(grid, np.float64)
         self.single = make(grid, np.float32)
-        self.local = LocalEnergy(law, self.solid.largest, window)
+        self.local = LocalEnergy(law, self.solid.largest, window, pointwise)
         self.curvature, self._right_side = (memory.array(grid.shape, np.float32) for _ in range(2))
         self.corrector: Any = None  # a LocalNewton, which is made of solvers as this one
         self._rounded, self._stalls, self._saddle_steps = 0.0, False, 0  # saddle steps in a row
@@ -122,7 +124,9 @@ class NewtonSolver:
     def _balancing(self, load: Load, gap: np.ndarray) -> Load:
         """Return the load with the pressure under which a gap that was pressed is in balance in the mean."""
         if not gap.any():  # all points touch a wall: the pressure at which a first one is pulled off
-            return replace(load, pressure=-float(self.solid.field.min()) - self.law.peak_tensile_stress)
+            strength, peak = self.local.pointwise.strength, self.law.peak_tensile_stress
+            pulled = self.solid.field if strength is None else self.solid.field + (strength - 1) * peak
+            return replace(load, pressure=-float(pulled.min()) - peak)
         return replace(load, pressure=-self.local.imbalance(self.solid.field, gap, 0.0))
 
     def is_detaching(self, gap: np.ndarray, state: EnergyAndGradient) -> bool:
@@ -356,4 +360,4 @@ class NewtonSolver:
         return gap
 
 
-MakeSolver = Callable[..., NewtonSolver]  # of a grid, a window and memory
+MakeSolver = Callable[..., NewtonSolver]  # of a grid, a window, memory and a local law

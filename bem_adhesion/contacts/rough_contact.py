@@ -1,7 +1,7 @@
 """The contact of a rough surface: one function that chooses the solver, and what wraps one: free edges, yielding."""
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
@@ -9,9 +9,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
+from bem_adhesion.contacts.plastic import PlasticContact
 from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.operators import FreeHalfSpace, Trace
-from bem_adhesion.solution import Solution, require_solution
+from bem_adhesion.solution import Solution
 from contact_study.inputs.units import length
 from contact_study.numerics.arguments import field, grid_of, positive, step_arguments
 from contact_study.numerics.grid import Grid
@@ -94,6 +95,7 @@ def rough_contact(
     boundary: str = "periodic",
     hardness: float | None = None,
     trace: Trace | None = None,
+    work_of_adhesion: np.ndarray | None = None,
 ) -> Contact:
     """Return the contact of a rigid rough surface with an elastic solid, with the solver that the law needs.
 
@@ -121,9 +123,13 @@ def rough_contact(
     boundary : {"periodic", "free"}, optional
         Whether surface and solid are periodic, or the surface ends at its last points on a half-space.
     hardness : float, optional
-        Largest pressure of a hard wall without adhesion; points that reach it are indented permanently (Pa).
+        Largest pressure; points that reach it are indented permanently (Pa).
     trace : callable, optional
         Called with a :class:`~bem_adhesion.operators.Progress` at each change of phase while a step is solved.
+    work_of_adhesion : array_like, shape (y, x), optional
+        Local work of adhesion (J/m²) in place of the law's. Its ratio to that of the law multiplies energy and traction
+        at the point: attraction and repulsion, outside a wall the attraction, which may vanish there. Equilibrium
+        distance and range stay.
 
     Returns
     -------
@@ -155,15 +161,39 @@ def rough_contact(
         raise ValueError("elasticity: a viscoelastic solid needs times; use ViscoelasticContact")
     heights = field("height", height)
     grid = grid_of(heights, size)
-    options = {"tolerance": tolerance, "max_iterations": max_iterations, "threads": threads, "trace": trace}
+    options: dict[str, Any] = {
+        "tolerance": tolerance,
+        "max_iterations": max_iterations,
+        "threads": threads,
+        "trace": trace,
+    }
+    options["work_of_adhesion"] = work_of_adhesion
     made = contact_between(heights, grid, elasticity, law, boundary, hardness, control=control, **options)
-    warn_of_coarse_grid(grid, elasticity_of(elasticity), law)
+    warn_of_coarse_grid(grid, elasticity_of(elasticity), law, work_of_adhesion)
     return made
 
 
-def warn_of_coarse_grid(grid: Grid, solid: Elasticity, law: TractionLaw) -> None:
+def _local_work(given: np.ndarray, shape: tuple[int, ...], law: TractionLaw) -> np.ndarray:
+    """Check a map of the work of adhesion (J/m²) for a law."""
+    work = field("work_of_adhesion", given)
+    if not law.attracts:
+        raise ValueError(f"work_of_adhesion: {type(law).__name__} does not attract; leave it out")
+    if work.shape != shape:
+        raise ValueError(f"work_of_adhesion: has the shape {work.shape}, the heights {shape}; give one value a point")
+    least = float(work.min())
+    if least < 0 or not work.any() or (least == 0 and not law.has_wall):
+        limit = "negative" if law.has_wall else "zero or less, where the law would not repel either"
+        raise ValueError(f"work_of_adhesion: its smallest value is {least:g} J/m²; none may be {limit}")
+    return work
+
+
+def warn_of_coarse_grid(
+    grid: Grid, solid: Elasticity, law: TractionLaw, work_of_adhesion: np.ndarray | None = None
+) -> None:
     """Warn the caller of a public function if its grid does not resolve the law, as the review of a study does."""
     zone = process_zone(solid.softest_modulus(max(grid.size), 2 * min(grid.spacing)), law)
+    if work_of_adhesion is not None:
+        zone *= law.work_of_adhesion / float(np.max(work_of_adhesion))
     spacing = max(grid.spacing)
     if resolves(spacing, zone):
         return
@@ -192,16 +222,16 @@ def contact_between(
         )
     if boundary not in ("periodic", "free"):
         raise ValueError(f"boundary = {boundary!r}: must be 'periodic' or 'free'")
+    if "work_of_adhesion" in options:
+        options["work_of_adhesion"] = _local_work(options["work_of_adhesion"], heights.shape, law)
     if hardness is not None:
-        if not law.bare_wall:
-            raise ValueError(
-                f"hardness: known of a hard wall without adhesion, not of {type(law).__name__}; leave one out"
-            )
         options["hardness"] = positive("hardness", hardness, "Pa")
+        if law.bare_wall:  # of errors: a surface flattened everywhere has no rms height
+            options["unit"] = float(heights.std()) or None
     adhesive: Any = FreeBoundaryContact if boundary == "free" else AdhesiveContact
     make: Any = HardWallContact if law.bare_wall and boundary == "periodic" else partial(adhesive, law=law)
     make = partial(make, grid=grid, elasticity=elasticity, **options)
-    return make(heights) if hardness is None else PlasticContact(heights, make)
+    return make(heights) if hardness is None else PlasticContact(heights, make, hardness)
 
 
 class FreeBoundaryContact:
@@ -261,51 +291,3 @@ class FreeBoundaryContact:
         inner = self._padded.stiffness(solution)
         # In series: the mean of the padded surface, and the undeformed surface beyond it.
         return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness)) if inner else 0.0
-
-
-class PlasticContact:
-    """One rough surface against an elastic solid with a hardness H, for loading and unloading.
-
-    Points under H keep their indentation w; the rigid surface of the next step is h − w, and unloading is elastic
-    (B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)). ``make_wall`` makes the wall of given heights and ``unit`` (m).
-    """
-
-    def __init__(self, height: np.ndarray, make_wall: Callable[..., HardWallContact | FreeBoundaryContact]):
-        self.height = height
-        self._make_wall = make_wall
-        self._unit = float(height.std()) or None  # of errors: a surface flattened everywhere has no rms height
-        self._inside = tuple(map(slice, height.shape))  # without the padding of free boundaries
-        wall = make_wall(height)
-        self._control = wall.control
-        self._untouched = wall.separated()
-
-    def separated(self) -> np.ndarray:
-        """Return the state without contact and without indentation, shape (2, …)."""
-        return np.broadcast_to(0.0, (2, *self._untouched.shape))
-
-    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the contact at a load; the state is pressure (Pa) and indentation so far (m).
-
-        An approach counts from first touch of the surface before it yielded.
-        """
-        state, target = step_arguments(self._control, target, state, (2, *self._untouched.shape))
-        before = state[1][self._inside]
-        if before.min() < 0:
-            raise ValueError("the state to start from has an indentation < 0")
-        wall = self._wall(before)
-        if wall.control == "approach":
-            target -= float(self.height.max() - (self.height - before).max())
-        found = wall.step(state[0], target)
-        indentation = before if found.plastic_indentation is None else before + found.plastic_indentation
-        kept = np.zeros(self._untouched.shape)
-        kept[self._inside] = indentation
-        return replace(found, state=np.stack([found.state, kept]), plastic_indentation=indentation)
-
-    def stiffness(self, solution: Solution) -> float:
-        """Return −dp/dū of a state on unloading (Pa/m), during which no point yields."""
-        require_solution(solution)
-        wall = self._wall(solution.state[1][self._inside])
-        return wall.stiffness(replace(solution, state=solution.state[0]))
-
-    def _wall(self, indentation: np.ndarray) -> HardWallContact | FreeBoundaryContact:
-        return self._make_wall(self.height - indentation, unit=self._unit)

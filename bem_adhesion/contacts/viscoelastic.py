@@ -35,7 +35,8 @@ class ViscoelasticContact:
     law : TractionLaw
         The law of interaction.
     **options
-        ``control``, ``tolerance``, ``max_iterations``, ``threads`` and ``trace`` of :func:`rough_contact`.
+        ``control``, ``tolerance``, ``max_iterations``, ``threads``, ``trace`` and ``work_of_adhesion`` of
+        :func:`rough_contact`.
 
     Raises
     ------
@@ -79,7 +80,7 @@ class ViscoelasticContact:
         highest, mean = self.height.max(), self.height.mean()
         # Mean gap of the surfaces before the law acts between them (m).
         self.first_gap = float(highest - mean if self._wall else (apart - self.height).mean())
-        warn_of_coarse_grid(self._grid, solid, law)
+        warn_of_coarse_grid(self._grid, solid, law, options.get("work_of_adhesion"))  # type: ignore[arg-type]
 
     def _elastic_contact(self, heights: np.ndarray, modulus: float) -> Contact:
         return contact_between(heights, self._grid, modulus, self._law, **self._options)  # type: ignore[arg-type]

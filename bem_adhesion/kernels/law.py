@@ -60,13 +60,23 @@ class LawKernels:
     def __init__(self, law: TractionLaw):
         self.law = law
 
-    def evaluate(self, gap: np.ndarray, traction: np.ndarray, stiffness: np.ndarray) -> float:
-        """Write φ' and φ'' of ``gap`` into the two arrays; return Σ φ over all points (J/m²)."""
+    def evaluate(
+        self, gap: np.ndarray, traction: np.ndarray, stiffness: np.ndarray, strength: np.ndarray | None = None
+    ) -> float:
+        """Write φ' and φ'' of ``gap`` into the two arrays; return Σ φ over all points (J/m²).
+
+        ``strength`` multiplies the law at each point; the gaps of a step do not depend on it.
+        """
         total = 0.0
         for here in blocks(gap):
             traction[here] = self.law.traction(gap[here])
             stiffness[here] = self.law.stiffness(gap[here])
-            total += float(np.sum(self.law.potential(gap[here])))
+            potential = self.law.potential(gap[here])
+            if strength is not None:
+                traction[here] *= strength[here]
+                stiffness[here] *= strength[here]
+                potential = strength[here] * potential
+            total += float(np.sum(potential))
         return total
 
     def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
@@ -149,13 +159,15 @@ class WallKernels(LawKernels):
 class ExponentialKernels(WallKernels):
     """Kernels of the exponential law, by one exponential a point: NumPy's is vectorised, unlike a compiled loop's."""
 
-    def evaluate(self, gap, traction, stiffness):
+    def evaluate(self, gap, traction, stiffness, strength=None):
         law, total = self.law, 0.0
         for here in blocks(gap):
             tension = np.multiply(gap[here], -1 / law.length, out=traction[here])
             np.maximum(tension, LEAST_EXPONENT, out=tension)
             np.exp(tension, out=tension)
             tension *= law.work_of_adhesion / law.length
+            if strength is not None:
+                tension *= strength[here]
             np.multiply(tension, -1 / law.length, out=stiffness[here], casting="same_kind")
             total -= law.length * float(tension.sum())
         return total
@@ -166,7 +178,7 @@ class DugdaleKernels(WallKernels):
 
     law: Dugdale
 
-    def evaluate(self, gap, traction, stiffness):
+    def evaluate(self, gap, traction, stiffness, strength=None):
         law, total = self.law, 0.0
         for here in blocks(gap):
             past = (gap[here] - law.length) / law.width
@@ -177,22 +189,33 @@ class DugdaleKernels(WallKernels):
             np.multiply(law.plateau, np.where(past > 0, faded, share), out=traction[here])
             np.multiply(-law.plateau / law.width * share, faded, out=stiffness[here], casting="same_kind")
             # Off the ramp, where most points are, the logarithm vanishes.
-            total += float(np.log1p(fading[fading > NO_SUMMAND]).sum() - np.minimum(past, 0.0).sum())
+            ramp = fading > NO_SUMMAND
+            rest, held = np.log1p(fading[ramp]), np.minimum(past, 0.0)
+            if strength is not None:
+                traction[here] *= strength[here]
+                stiffness[here] *= strength[here]
+                rest, held = strength[here][ramp] * rest, strength[here] * held
+            total += float(rest.sum() - held.sum())
         return -law.plateau * law.width * total
 
 
 @cache
-def _evaluation(exponent: int) -> Callable[..., float]:
-    """Compile :meth:`LawKernels.evaluate`, over the prefactor: an exponent as argument keeps loops from vectorising."""
+def _evaluation(exponent: int, mapped: bool) -> Callable[..., float]:
+    """Compile :meth:`LawKernels.evaluate`, over the prefactor: an exponent as argument keeps loops from vectorising.
+
+    ``mapped`` says whether the strength counts; without, any array stands for it.
+    """
     low, high = float(exponent), exponent + 6.0
     attraction, repulsion = 1 / (exponent - 1), 1 / (exponent + 5)
 
     @kernel
-    def evaluate(gap, length, prefactor, traction, stiffness):
+    def evaluate(gap, length, prefactor, strength, traction, stiffness):
         total = 0.0
         for i in range(gap.size):
             s = length / gap[i]
             power, s6 = s**exponent, s**6
+            if mapped:
+                power *= strength[i]
             traction[i] = prefactor * power * (1.0 - s6)
             stiffness[i] = prefactor / length * power * s * (high * s6 - low)
             total += power * gap[i] * (repulsion * s6 - attraction)
@@ -244,11 +267,11 @@ class LennardJonesKernels(LawKernels):
 
     law: LennardJones
 
-    def evaluate(self, gap, traction, stiffness):
+    def evaluate(self, gap, traction, stiffness, strength=None):
         law = self.law
-        evaluate = _evaluation(law.exponent)
-        total = evaluate(gap.reshape(-1), law.length, law.prefactor, traction.reshape(-1), stiffness.reshape(-1))
-        return law.prefactor * float(total)
+        evaluate = _evaluation(law.exponent, strength is not None)
+        flat = (field.reshape(-1) for field in (gap if strength is None else strength, traction, stiffness))
+        return law.prefactor * float(evaluate(gap.reshape(-1), law.length, law.prefactor, *flat))
 
     def advance(self, gap, step, limit, out):
         law, advance = self.law, _advance(self.law.exponent)

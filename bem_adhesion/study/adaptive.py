@@ -29,7 +29,7 @@ class EnergyLedger(NamedTuple):
     position: float  # prescribed mean pressure (Pa), mean gap or approach (m)
     pressure: float
     separation: float  # of the mean planes, from any origin (m)
-    energy: float
+    energy: float  # with the plastic work so far, which is no loss of a jump
     attached: bool
     dissipated: float = 0.0
     uncertain: float = 0.0
@@ -47,8 +47,8 @@ def ledger_of(
     return EnergyLedger(
         position,
         float(np.mean(solution.pressure)),
-        float(np.mean(solution.state)) if solution.detached else separation_of(solution, solid),
-        solution.elastic_energy + solution.interaction_energy,
+        float(np.mean(solution.displacement)) if solution.detached else separation_of(solution, solid),
+        solution.elastic_energy + solution.interaction_energy + solution.plastic_work,
         not solution.detached,
         *((before.dissipated, before.uncertain) if before else ()),
     )
@@ -57,7 +57,9 @@ def ledger_of(
 def passed_states(passed: Sequence[EnergyLedger], equilibrium_distance: float) -> np.ndarray:
     """Return the states of ledgers as in a dataset, see :attr:`InterfaceState.passed`."""
     rows = [
-        (at.pressure, at.separation - equilibrium_distance, at.energy) if at.attached else (at.position, np.inf, 0.0)
+        (at.pressure, at.separation - equilibrium_distance, at.energy)
+        if at.attached
+        else (at.position, np.inf, at.energy)
         for at in passed
     ]
     return np.array(rows).reshape(-1, 3)

@@ -7,6 +7,7 @@ import numpy as np
 from bem_adhesion.operators import Progress
 from bem_adhesion.solution import Solution
 from contact_study.numerics import life
+from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import Elasticity, HalfSpace
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState, SolverReport
@@ -38,6 +39,12 @@ def separation_of(solution: Solution, solid: Elasticity) -> float:
     return separation if yielded is None else separation - float(np.mean(yielded))
 
 
+def adhesion_of(case: Case, grid: Grid) -> np.ndarray | None:
+    """Return the local work of adhesion of a case (J/m²); None if it is uniform."""
+    factors = case.adhesion_factors(grid)
+    return None if factors is None else factors * case.law.work_of_adhesion
+
+
 def interface_state(case: Case, solution: Solution, surface: Surface, stiffness: float | None = None) -> InterfaceState:
     """Return the state of a case's interface, on the heights of its surface; ``stiffness`` −dp/dū if known (Pa/m)."""
     gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation
@@ -45,9 +52,11 @@ def interface_state(case: Case, solution: Solution, surface: Surface, stiffness:
     further = {} if stiffness is None else {"contact_stiffness": stiffness}
     if stiffness is not None and isinstance(case.solid, HalfSpace):
         further["contact_conductance"] = stiffness / case.solid.contact_modulus if stiffness >= 0 else np.nan
-    if yielded is not None:  # the pressure on a yielding point is the hardness throughout
-        further["plastic_work"] = (case.material.hardness or 0.0) * float(np.mean(yielded))
+    if yielded is not None:
+        further["plastic_work"] = solution.plastic_work
     touching = case.law.in_contact(gap, pressure, case.contact_distance)
+    if (work_of_adhesion := adhesion_of(case, surface.grid)) is not None:
+        further["work_of_adhesion_in_contact"] = float(work_of_adhesion[touching].mean()) if touching.any() else np.nan
     numbers = case.law.equilibrium_distance, separation, solution.elastic_energy, solution.interaction_energy
     return InterfaceState(
         *(gap, pressure, touching, *numbers),

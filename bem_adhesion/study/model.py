@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bem_adhesion.study.interface import adhesion_of
 from bem_adhesion.study.overdamped import OverdampedContact
 from bem_adhesion.study.path_in_time import path_in_time
 from bem_adhesion.study.paths import path_of_equilibria
@@ -38,6 +39,8 @@ def check(case: Case) -> None:
         overdamped_path.check(case, "solver.path")
         if case.elasticity.boundary == "free":
             raise InputError('elasticity.boundary = "free": solver.path = "overdamped" is for periodic boundaries')
+        if case.material.hardness is not None and case.law.attracts:
+            raise InputError('material.hardness: solver.path = "overdamped" is elastic; leave one out')
         if case.loading.adaptive:
             raise InputError(
                 'loading.adaptive = true: solver.path = "overdamped" follows the load steadily; leave one out'
@@ -47,7 +50,9 @@ def check(case: Case) -> None:
 def constants(case: Case, surface: Surface) -> dict[str, Value]:
     """Return the constants of a path."""
     law, modulus = case.law, case.solid.contact_modulus
-    adhesion = {"peak_distance": law.peak_distance, "process_zone": process_zone(modulus, law)} if law.attracts else {}
+    zone = process_zone(modulus, law) / case.strongest_adhesion
+    adhesion = {"peak_distance": law.peak_distance, "process_zone": zone} if law.attracts else {}
+    work = adhesion_of(case, surface.grid) if case.output.fields else None
     return {
         "contact_modulus": modulus,
         "work_of_adhesion": law.work_of_adhesion,
@@ -58,6 +63,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         "rms_slope": surface.rms_slope,
         "pixel": max(surface.grid.spacing),
         **adhesion,
+        **({} if work is None else {"work_of_adhesion_map": work}),
         **(heights_on(surface.grid, surface.sampled) if case.output.fields else {}),
     }
 
@@ -95,7 +101,7 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     unresolved = []
     for case, scale in zip(study.cases, scales, strict=True):
         if case.law.attracts:
-            zone = process_zone(case.solid.softest_modulus(*scale.grid_waves), case.law)
+            zone = process_zone(case.solid.softest_modulus(*scale.grid_waves), case.law) / case.strongest_adhesion
             if not zones.resolves(scale.pixel, zone):
                 unresolved.append((scale.pixel / zone, zone, case, scale))
             reach = max(zone, case.law.length)

@@ -10,7 +10,7 @@ import numpy as np
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import ledger_of, passed_states
-from bem_adhesion.study.interface import interface_state, solver_options
+from bem_adhesion.study.interface import adhesion_of, interface_state, solver_options
 from contact_study.physics.process_zone import TOO_COARSE
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
@@ -50,7 +50,7 @@ def path_in_time(
     loading = case.loading
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study warns for all cases
-        options = solver_options(case, surface.grid.points)
+        options = solver_options(case, surface.grid.points) | {"work_of_adhesion": adhesion_of(case, surface.grid)}
         contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, **options)
     if restart is None:
         out_of_reach = contact.first_gap - case.law.equilibrium_distance

@@ -8,7 +8,7 @@ import numpy as np
 
 from bem_adhesion.contacts.rough_contact import contact_between
 from bem_adhesion.study.adaptive import EnergyLedger, adaptive_step, ledger_of, passed_states
-from bem_adhesion.study.interface import interface_state, solver_options
+from bem_adhesion.study.interface import adhesion_of, interface_state, solver_options
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
@@ -22,12 +22,14 @@ def path_of_equilibria(
 ) -> Iterator[InterfaceState]:
     """Yield the equilibrium at each point of a case's path; parameters as for :func:`solve_path`."""
     kind = case.solid, case.law, case.elasticity.boundary, case.material.hardness
-    contact = contact_between(surface.sampled, surface.grid, *kind, **solver_options(case, surface.grid.points))
+    options = solver_options(case, surface.grid.points) | {"work_of_adhesion": adhesion_of(case, surface.grid)}
+    contact = contact_between(surface.sampled, surface.grid, *kind, **options)
     state, ledger = contact.separated() if restart is None else restart["state"], None
     if restart is not None:
         ledger = EnergyLedger(*restart["account"].tolist()) if "account" in restart else None
     elif case.least_step is not None and case.loading.control == "pressure":  # with another control after one step
-        ledger = EnergyLedger(0.0, 0.0, float(state.mean()), 0.0, False)
+        apart = state if case.material.hardness is None else state[0]
+        ledger = EnergyLedger(0.0, 0.0, float(apart.mean()), 0.0, False)
     # A flat punch has no surface beyond its rim.
     warned = set() if np.ptp(surface.sampled) else {"contact", "tension"}
     for number, (value, _) in enumerate(case.path[start:], start):

@@ -79,7 +79,7 @@ _ALL = (
         references=f"{_YANG}; "
         "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); akin to the gap flow: J. Joe, Traction Between Rough "
         "Surfaces, PhD thesis, University of Michigan (2021), https://hdl.handle.net/2027.42/169927",
-        ignores=("atomistic", "overdamped", "sampling", "dynamics"),
+        ignores=("adhesion_map", "atomistic", "overdamped", "sampling", "dynamics"),
         whole_path=True,  # the separation curve and the gap flow's grid extend as far as the path asks
         threads=2,  # the edge flow beside Persson's theory and the gap flow
     ),

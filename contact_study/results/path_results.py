@@ -46,13 +46,14 @@ class PathSeries:
     """The equilibrium states that a path passes, in order."""
 
     # Mean pressure (Pa), the load where surfaces detached under it; mean separation (m), infinite there; elastic and
-    # interaction energy (J/m²). Without the energy, two columns, points are too far apart to integrate or the solid
-    # dissipates.
+    # interaction energy, with plastic work (J/m²). Without the energy, two columns, points are too far apart to
+    # integrate or the solid dissipates.
     states: np.ndarray
     ends_apart: bool = False  # whether the path has contact, but not at its end
     points: np.ndarray | None = None  # numbers of the path's own points, between which it goes one way; default all
     begins_apart: bool = False  # whether the path begins without contact
     compliance: float = 0.0  # of a spring in series, per area (m/Pa): the states are those of :func:`beyond_spring`
+    plastic_work: float = 0.0  # at its end (J/m²), part of the energies
 
 
 def beyond_spring(states: np.ndarray, compliance: float) -> np.ndarray:
@@ -107,7 +108,7 @@ def path_results(series: PathSeries, control: str) -> dict[str, float]:
             lost, *jumps = _jumps(approach)  # on the reversed way what is lost is gained
             found |= _work_outwards("work_of_approach", approach[::-1], -lost[::-1], *(each[::-1] for each in jumps))
         if series.ends_apart:
-            found |= _work_outwards("work_of_separation", retraction, *_jumps(retraction))
+            found |= _work_outwards("work_of_separation", retraction, *_jumps(retraction), apart=series.plastic_work)
     return found
 
 
@@ -201,12 +202,12 @@ def _jump_in(states: np.ndarray, compliance: float) -> dict[str, float]:
 
 
 def _work_outwards(
-    name: str, states: np.ndarray, lost: np.ndarray, jumped: np.ndarray, unknown: np.ndarray
+    name: str, states: np.ndarray, lost: np.ndarray, jumped: np.ndarray, unknown: np.ndarray, *, apart: float = 0.0
 ) -> dict[str, float]:
     """∫−p ds of a way outwards from p = 0 on: the energy stored by its branches plus the losses of its jumps.
 
-    The work is the energy of full separation, zero, minus that at p = 0, plus the jumps. A sum of p ds would add the
-    errors of the trapezoidal rule along the branches.
+    The work is the energy of full separation, ``apart`` (J/m²), minus that at p = 0, plus the jumps. A sum of p ds
+    would add the errors of the trapezoidal rule along the branches.
     """
     pressure, separation, energy = states.T
     if pressure.size < 2 or not (pressure < 0).any():
@@ -223,7 +224,7 @@ def _work_outwards(
             across = float(unknown[before])
     lost, jumped, unknown = lost[first:], jumped[first:], unknown[first:]
     return {
-        name: float(lost[jumped].sum()) - begun,
+        name: float(lost[jumped].sum()) + (apart - begun),
         name + _ERROR: float(across + unknown[jumped].sum() + abs(lost[~jumped].sum())),
     }
 
@@ -239,7 +240,8 @@ def series_of(steps: Sequence[Mapping[str, Any]], control: str, compliance: floa
         # A viscoelastic solid takes up work, so a loss is no jump.
         books = states if all("dissipated_energy" in step for step in steps) else states[:, :_ENERGY]
         # A point that did not converge may have passed none.
-        return PathSeries(books, ends_apart, np.unique(last[last >= 0]), not touching[0], compliance)
+        spent = steps[-1].get("plastic_work", 0.0)
+        return PathSeries(books, ends_apart, np.unique(last[last >= 0]), not touching[0], compliance, spent)
     load = "applied_pressure" if control == "pressure" else "mean_pressure"
     known = [
         (step[load], np.inf if step["detached"] else step["mean_separation"]) for step in steps if step["converged"]

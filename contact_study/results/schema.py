@@ -89,6 +89,7 @@ CONSTANTS: dict[str, Variable] = {
     "pixel": Variable("m", "largest grid spacing", ()),
     "process_zone": Variable("m", "length of the process zone at the edge of a contact", ()),
     "height": Variable("m", "height of the rigid surface, toward the block", ("y", "x")),
+    "work_of_adhesion_map": Variable("J m-2", "local work of adhesion", ("y", "x")),
 }
 ROUGHNESS: dict[str, Variable] = {
     "surface_points_y": Variable("1", "points of the surface along y: of a measured map its own", (), kind="count"),

@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +12,14 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError, refuse
 from contact_study.inputs.units import stress
+from contact_study.numerics.grid import Grid
 from contact_study.physics.lattice import Lattice, lattice_of
 from contact_study.physics.laws import LAWS, TractionLaw
 from contact_study.physics.laws.lennard_jones import work_of_adhesion
 from contact_study.physics.solids import Elasticity, Viscoelastic
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.study.schema import sections
+from contact_study.study.schema.adhesion_map import UniformAdhesion
 from contact_study.study.schema.bodies import composed
 from contact_study.study.schema.elasticity import ElasticitySection
 from contact_study.study.schema.form import FormSection
@@ -41,6 +43,7 @@ class Case:
     material: sections.MaterialSection
     elasticity: ElasticitySection
     interaction: InteractionSection
+    adhesion_map: UniformAdhesion
     loading: sections.LoadingSection
     solver: sections.SolverSection
     atomistic: sections.AtomisticSection
@@ -63,18 +66,22 @@ class Case:
         free, control = self.elasticity.boundary == "free", self.loading.control
         if (hardness := self.material.hardness) is not None:
             given = f"material.hardness = {hardness:g} Pa"
-            if self.law.attracts or not self.law.has_wall:
-                raise InputError(
-                    f'{given}: known of interaction.law = "hard_wall" only, not of "{self.interaction.law}"; leave one '
-                    "out"
-                )
             if control == "pressure" and max(self.loading.path) >= hardness:
                 raise InputError(
                     f"loading.path: a mean pressure of {max(self.loading.path):g} Pa is not below {given}: no state "
                     "can carry it, all of the surface would yield"
                 )
-            if control == "gap" and lowest <= 0:
-                raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
+            closed = float(self.law.repulsive_gap(np.array(-hardness))) - self.law.equilibrium_distance
+            if control == "gap" and lowest <= closed:
+                limit = f"{closed:g} m" if closed else "zero"
+                raise InputError(
+                    f"loading.path: with {given} surfaces close at no one pressure; give gaps above {limit}"
+                )
+        if self.adhesion_map.kind != "none" and not self.law.attracts:
+            raise InputError(
+                f'adhesion_map.kind = "{self.adhesion_map.kind}": interaction.law = "{self.interaction.law}" does not '
+                "attract; leave it out"
+            )
         self._check_time()
         if self.material.counter_modulus is not None and not self.elasticity.may_be_free:
             raise InputError(
@@ -239,6 +246,22 @@ class Case:
             return 0.0
         return work_of_adhesion(given.well_depth * given.well_depth_ratio, given.length, *self.lattice.densities)
 
+    def adhesion_factors(self, grid: Grid) -> np.ndarray | None:
+        """Local work of adhesion over its mean on a grid; None if it is uniform, InputError if the law has none."""
+        factors = _adhesion_factors(self.adhesion_map, grid, self.directory)
+        if factors is not None and not self.law.has_wall and not factors.min() > 0:
+            raise InputError(
+                f'adhesion_map: the work of adhesion vanishes at points; interaction.law = "{self.interaction.law}" '
+                'would not repel there either. Use a smaller contrast, or a law outside a wall such as "exponential"'
+            )
+        return factors
+
+    @cached_property
+    def strongest_adhesion(self) -> float:
+        """Largest local work of adhesion over its mean."""
+        factors = self.adhesion_factors(Grid(self.scales.shape, self.scales.size))
+        return 1.0 if factors is None else float(factors.max())
+
     @property
     def well_depth(self) -> float:
         """ε of the pair potential (J), including ``well_depth_ratio``."""
@@ -248,6 +271,15 @@ class Case:
         if given.length is None:
             raise InputError("missing key interaction.length: atoms need a pair potential")
         return self.work_of_adhesion / work_of_adhesion(1.0, given.length, *self.lattice.densities)
+
+
+@lru_cache(maxsize=2)
+def _adhesion_factors(given: UniformAdhesion, grid: Grid, directory: Path) -> np.ndarray | None:
+    """Make a map once for checks, solver and results."""
+    factors = given.factors(grid, directory)
+    if factors is not None:
+        factors.setflags(write=False)
+    return factors
 
 
 def realise(case: Case) -> Surface:

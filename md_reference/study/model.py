@@ -62,6 +62,10 @@ def check(case: Case) -> None:
             'loading.control = "approach": the block of atoms takes "pressure", or its separation as "gap"': approach,
             "material.counter_youngs_modulus: atoms make one elastic body; leave it out": case.material.counter_modulus
             is not None,
+            "material.hardness: the block of atoms is elastic; leave it out": case.material.hardness is not None,
+            f'adhesion_map.kind = "{case.adhesion_map.kind}": the sites of the atoms are alike; use "none"': (
+                case.adhesion_map.kind != "none"
+            ),
             f"material.poissons_ratio = {ratio:.12g}: springs cannot make a block incompressible; use at most "
             f"{_MOST_INCOMPRESSIBLE}": ratio > _MOST_INCOMPRESSIBLE,
             f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" '

@@ -58,6 +58,11 @@ def plastic(**sections):
     return {**table, **sections}
 
 
+def varied(adhesion_map=None, **sections):
+    stripes = {"kind": "patches", "modes": [0, 4], "contrast": 0.5}
+    return study_table(32, size=500e-10, adhesion_map={**stripes, **(adhesion_map or {})}, **sections)
+
+
 def free(**sections):
     return {**FREE, "loading": {"path": ["20 MPa"]}, **sections}
 
@@ -167,6 +172,7 @@ def lattice(kind):
 
 
 ATOMIC = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 3e-10}
+RANDOM = {"kind": "random", "relative_rms": 0.3, "cutoff_mode": 16, "modes": None, "contrast": None}
 HALF = {"material": {"poissons_ratio": 0.5}}
 REFUSED = [
     (viscoelastic(loading={"path": [1e7]}), r"missing key loading\.duration"),
@@ -181,7 +187,14 @@ REFUSED = [
     (plastic(loading={"path": [1e9, 4e9]}), "4e[+]09 Pa is not below material.hardness = 4e[+]09"),
     (plastic(loading={"path": [0.0], "control": "gap"}), "gaps above zero"),
     (study_table(32, loading={"path": [-1e-9], "control": "gap"}, interaction=HARD_WALL), "leaves no gap between"),
-    (plastic(interaction={"law": "dugdale", "length": 1e-10, "work_of_adhesion": 0.1}), "hard_wall"),
+    (plastic(loading={"path": [-1e-10], "control": "gap"}, interaction=ATOMIC), r"gaps above -[\d.]+e-11 m"),
+    (overdamped(material={"hardness": 9e9}), r"material\.hardness: solver\.path"),
+    (plastic(interaction=ATOMIC), r"material\.hardness", "atomistic"),
+    (varied(interaction=HARD_WALL), 'adhesion_map.kind = "patches": interaction.law = "hard_wall" does not attract'),
+    (varied(adhesion_map={"contrast": 1.0}), "adhesion_map: the work of adhesion vanishes"),
+    (varied(adhesion_map={"modes": [0, 17]}), r"adhesion_map\.modes = \[0, 17\]: 17 patches along x need"),
+    (varied(adhesion_map=RANDOM), r"adhesion_map\.cutoff_mode = 16: beyond"),
+    (varied(), "adhesion_map", "atomistic"),
     (free(loading={"path": ["1 nm"], "control": "gap"}), r'control = "gap": .*"pressure" or "approach"'),
     (free(loading={"path": ["1 nm"], "control": "approach"}, elasticity={}), r'"approach": .*"pressure" or "gap"'),
     (

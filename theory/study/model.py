@@ -65,7 +65,7 @@ def check(case: Case) -> None:
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """Warn of roughness that is too coarse for the law; InputError if adhesion is so strong that it is flat to it."""
-    coarse = []
+    coarse, notes = [], _mean_adhesion(study)
     for case, scale in zip(study.cases, scales, strict=True):
         solid, law = case.solid, case.law
         finest = min(scale.shortest_wave, scale.size[0], scale.size[1])
@@ -84,13 +84,23 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
         if law.attracts and finest > _COARSEST * law.length:
             coarse.append((case, finest, law.length))
     if not coarse:
-        return []
+        return notes
     case, finest, length = coarse[0]
     where = points([case for case, *_ in coarse], len(study.cases))
     return [
+        *notes,
         f"surface: its finest roughness, of wavelength {finest:.3g} m, is {finest / length:.2g} times "
-        f"interaction.length{where}: the theories leave out all roughness below it"
+        f"interaction.length{where}: the theories leave out all roughness below it",
     ]
+
+
+def _mean_adhesion(study: Study) -> list[str]:
+    """Warn of cases whose work of adhesion varies."""
+    varied = [case for case in study.cases if case.adhesion_map.kind != "none"]
+    if not varied:
+        return []
+    kind = f'adhesion_map.kind = "{varied[0].adhesion_map.kind}"{points(varied, len(study.cases))}'
+    return [f"{kind}: the theories take the mean work of adhesion, not its variation along the surface"]
 
 
 def constants(case: Case, surface: Surface) -> dict[str, Value]:

@@ -56,7 +56,7 @@ MECHANICS = Observable(
             "m", "mean separation of each state passed since the last point; detached: infinite", _PASSED
         ),
         "passed_energy": Variable(
-            "J m-2", "elastic and interaction energy per nominal area of each state passed", _PASSED
+            "J m-2", "elastic and interaction energy and plastic work per nominal area of each state passed", _PASSED
         ),
         "elastic_energy": noted(
             "J m-2",
@@ -90,6 +90,7 @@ FURTHER = Observable(
         "dissipated_energy_resolution_error": Variable(
             "J m-2", "uncertainty of dissipated_energy: position of a jump within its step"
         ),
+        "work_of_adhesion_in_contact": Variable("J m-2", "mean local work of adhesion of the points in contact"),
         "plastic_work": Variable("J m-2", "plastic work so far per nominal area"),
         "viscous_dissipation": Variable("J m-2", "energy dissipated by the viscoelastic solid so far per nominal area"),
         "temperature": noted(

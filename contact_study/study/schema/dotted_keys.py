@@ -6,6 +6,7 @@ from typing import Any
 
 from contact_study.inputs.errors import InputError
 from contact_study.study.schema import sections
+from contact_study.study.schema.adhesion_map import ADHESION_MAPS
 from contact_study.study.schema.bodies import ADDED, ADDED_SECTIONS
 from contact_study.study.schema.elasticity import ELASTICITIES
 from contact_study.study.schema.form import FORMS
@@ -21,6 +22,7 @@ SECTIONS: dict[str, type | TaggedUnion] = {
     "material": sections.MaterialSection,
     "elasticity": ELASTICITIES,
     "interaction": INTERACTIONS,
+    "adhesion_map": ADHESION_MAPS,
     "loading": sections.LoadingSection,
     "solver": sections.SolverSection,
     "atomistic": sections.AtomisticSection,

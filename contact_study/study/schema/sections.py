@@ -30,9 +30,7 @@ class MaterialSection:
         METRES, "lattice constant a of the block; divides surface.size (atoms, well_depth)", None
     )
     atom_mass: float | None = key(keys.KILOGRAMS, "mass of a block atom, for atomistic.method = dynamics", None)
-    hardness: float | None = key(
-        PASCALS, "largest pressure; points that reach it yield plastically (continuum, hard wall)", None
-    )
+    hardness: float | None = key(PASCALS, "largest pressure; points that reach it yield plastically (continuum)", None)
 
     counter_youngs_modulus: float | None = key(
         PASCALS, "Young's modulus of the second body, if it is elastic, too (half-spaces)", None
