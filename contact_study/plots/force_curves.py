@@ -1,34 +1,60 @@
 """Force curves: the force on a body against its displacement, approach and retraction."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.plots import style
+from contact_study.plots.measured_curves import draw_measured, measured_states
 from contact_study.plots.selection import fit_states, lines, require
+from contact_study.plots.sphere_theories import draw_theories, sphere_theories
 from contact_study.plots.style import COLOURS, Unit, axes_of, picture
 
+_AXES = {
+    "displacement": r"displacement $\delta$",
+    "contact_radius": "contact radius $a$",
+    "approach": "approach of the machine",
+}
 # What the load prescribes, and its direction where the body approaches.
 _INWARDS = {"applied_approach": 1.0, "applied_pressure": 1.0, "applied_gap": -1.0}
 
 
 @picture("One of the boundary elements with their displacement.")
-def force_curve(dataset: xr.Dataset, axes: Axes | None = None, against: str = "displacement") -> Axes:
+def force_curve(
+    dataset: xr.Dataset,
+    axes: Axes | None = None,
+    against: str = "displacement",
+    measured: Sequence[xr.Dataset] = (),
+    theories: Sequence[str] = (),
+) -> Axes:
     """Force over displacement, a line for each point of the sweep; approach dashed, retraction solid.
 
-    All states that adaptive steps passed are shown. A single curve has its pull-off marked.
+    All states that adaptive steps passed are shown. A single curve has its pull-off marked. Measured points are
+    circles, filled on retraction.
 
     Parameters
     ----------
-    against : {"displacement", "approach"}, optional
-        Displacement of the body, or of the machine beyond its stiffness (``loading.machine_stiffness``).
+    against : {"displacement", "contact_radius", "approach"}, optional
+        Displacement of the body, radius of the contact, or displacement of the machine beyond its stiffness
+        (``loading.machine_stiffness``).
+    measured : sequence of xarray.Dataset, optional
+        Measured curves, of :func:`contact_study.read_force_curve`.
+    theories : sequence of str, optional
+        Theories of a smooth sphere, ``"hertz"``, ``"jkr"``, ``"dmt"``, ``"maugis"``, of a study that has one.
     """
-    if against not in ("displacement", "approach"):
-        raise ValueError(f"against = {against!r}: must be 'displacement' or 'approach'")
+    if against not in _AXES:
+        raise ValueError(f"against = {against!r}: must be {' or '.join(map(repr, _AXES))}")
+    if against == "approach" and (measured or theories):
+        raise ValueError("measured curves and theories have no approach of a machine; use 'displacement'")
     require(dataset, "total_force", against)
     curves = [(words, *force_states(part, against)) for words, part in lines(dataset, against, "step")]
-    force = force_unit(style.largest(np.concatenate([y for _, _, y, _ in curves])))
-    length = style.length_unit(style.largest(np.concatenate([x for _, x, _, _ in curves])))
+    spheres = sphere_theories(dataset, theories) if theories else {}
+    others = [measured_states(one, against) for one in measured]
+    forces = np.concatenate([*(y for _, _, y, _ in curves), *(other.force for other in others)])
+    force = force_unit(style.largest(forces))
+    length = style.length_unit(style.largest(np.concatenate([*(x for _, x, _, _ in curves), *(o.x for o in others)])))
     axes, turned = axes_of(axes), False
     for number, (words, x, y, outwards) in enumerate(curves):
         colour, named = COLOURS[number % len(COLOURS)], words
@@ -47,10 +73,13 @@ def force_curve(dataset: xr.Dataset, axes: Axes | None = None, against: str = "d
     if turned:
         for label, look in (("approach", "--"), ("retraction", "-")):
             axes.plot([], [], look, color="#404040", lw=1.0, label=label)
+    for number, other in enumerate(others):
+        draw_measured(axes, other, COLOURS[(len(curves) + 1 + number) % len(COLOURS)], (length, force))
+    if spheres:
+        draw_theories(axes, spheres, against, float(np.nanmax(forces)), (length, force))
     style.add_legend(axes)
     axes.axhline(0, color="#909090", lw=0.7, zorder=1)
-    what = r"displacement $\delta$" if against == "displacement" else "approach of the machine"
-    axes.set(xlabel=f"{what} ({length.name})", ylabel=f"force $F$ ({force.name})")
+    axes.set(xlabel=f"{_AXES[against]} ({length.name})", ylabel=f"force $F$ ({force.name})")
     return axes
 
 
@@ -63,7 +92,7 @@ def force_states(part: xr.Dataset, against: str = "displacement") -> tuple[np.nd
     x, y = (np.where(fit, part[name].values, np.nan) for name in (against, "total_force"))
     prescribed, way = next((part[name].values, sign) for name, sign in _INWARDS.items() if name in part.coords)
     outwards = np.concatenate([[False], np.diff(way * prescribed) < 0])
-    if "passed_pressure" not in part or not fit.any():
+    if against == "contact_radius" or "passed_pressure" not in part or not fit.any():
         return x, y, outwards
     pressure, separation = (part[f"passed_{name}"].values for name in ("pressure", "separation"))
     outwards = np.broadcast_to(outwards[:, None], pressure.shape)

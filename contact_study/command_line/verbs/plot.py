@@ -3,6 +3,7 @@
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 from contact_study.command_line.frame import epilog
 from contact_study.command_line.selection import add_selection, one_case, one_step, opened, selected
@@ -38,6 +39,14 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("picture", nargs="?", default="area", choices=PICTURES, metavar="PICTURE", help="default: area")
     parser.add_argument("-o", "--output", metavar="FILE", help="png, pdf or svg to write; default: FILE.PICTURE.png")
     add_selection(parser)
+    of_force = parser.add_argument_group("options of the picture force")
+    words = "measured force curves: text with units, or a microscope's files"
+    of_force.add_argument("--measured", nargs="+", type=Path, default=[], metavar="FILE", help=words)
+    words = "how to read them, such as positive_force=tension; docs/howto_force_curves.md"
+    of_force.add_argument("--reading", action="append", default=[], metavar="KEY=VALUE", help=words)
+    words = "theories of a smooth sphere: hertz, jkr, dmt, maugis"
+    of_force.add_argument("--theory", nargs="+", default=[], metavar="NAME", help=words)
+    of_force.add_argument("--against", metavar="NAME", help="displacement (default), contact_radius or approach")
 
 
 def run(given: argparse.Namespace) -> int:
@@ -51,15 +60,16 @@ def run(given: argparse.Namespace) -> int:
     kind, known = output.suffix.lstrip(".").lower(), Figure().canvas.get_supported_filetypes()
     if kind not in known:
         raise InputError(f"-o {output}: expected a name that ends in {', '.join(known)}")
-    check_inputs_kept(output, [given.file])
+    check_inputs_kept(output, [given.file, *given.measured])
     name, single_case, single_step, _ = PICTURES[given.picture]
+    options = _of_force(given)
     with opened(given.file) as dataset:
         shown, chosen = selected(dataset, given.case, given.step), list[str]()
         for narrowed in [one_case] * single_case + [one_step] * single_step:
             shown, words = narrowed(shown)
             chosen += words
         try:
-            axes = getattr(plots, name)(shown)
+            axes = getattr(plots, name)(shown, **options)
         except ValueError as error:
             raise InputError(f"{given.file}: {error}") from None
         writable_output(output)
@@ -68,3 +78,27 @@ def run(given: argparse.Namespace) -> int:
         print(f"{given.command}: shown is {', '.join(chosen)}; --case and --step choose others", file=sys.stderr)
     print(output)
     return DONE
+
+
+def _of_force(given: argparse.Namespace) -> dict[str, Any]:
+    """Arguments of the picture of a force curve; InputError where another picture is asked for."""
+    asked = {"--measured": given.measured, "--reading": given.reading, "--theory": given.theory}
+    used = [option for option, value in (asked | {"--against": given.against}).items() if value]
+    if used and given.picture != "force":
+        raise InputError(f"{used[0]}: belongs to the picture force; give: plot {given.file} force {used[0]} ...")
+    if given.reading and not given.measured:
+        raise InputError("--reading: says how to read measured curves; give them by --measured FILE")
+    if not used:
+        return {}
+    from contact_study import read_force_curve
+
+    reading = dict(_pair(words) for words in given.reading)
+    curves = [read_force_curve(path, **reading) for path in given.measured]
+    return {"measured": curves, "theories": given.theory, **({"against": given.against} if given.against else {})}
+
+
+def _pair(words: str) -> tuple[str, str | int]:
+    key, equals, value = words.partition("=")
+    if not equals:
+        raise InputError(f"--reading {words}: expected KEY=VALUE")
+    return key.strip(), int(value) if key.strip() == "curve" and value.strip().isdigit() else value.strip()
