@@ -19,7 +19,7 @@ from tests.documentation.test_pages import PAGES, SHELL, blocks
 
 # Not the sphere and rubber, which are large.
 TUTORIALS = {"quickstart", "tutorial_own_surface", "tutorial_ensemble", "tutorial_theory"}
-HOWTOS = {"howto_cluster", "howto_export", "howto_heights", "howto_run"}
+HOWTOS = {"howto_bodies", "howto_cluster", "howto_export", "howto_heights", "howto_run"}
 RUN = [page for page in PAGES if page.stem in {"README", *HOWTOS, *TUTORIALS}]
 # What makes an environment; the tests are in one.
 _ENVIRONMENT = re.compile(r"^(?:pip install|git clone|make) .*\n", re.MULTILINE)

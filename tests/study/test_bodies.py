@@ -1,5 +1,7 @@
 """Two bodies of several parts: their combined heights, scales, modulus, files, commands and refusals."""
 
+import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -250,3 +252,14 @@ def test_theories_take_no_form_atoms_no_second_modulus_and_repeated_forms_no_jum
     (line,) = review(make_study(tilted))
     assert "heights of the cone jump by 1.746 nm across the edges" in line  # 100 nm · tan 1°
     assert not review(make_study({**tilted, "elasticity": {"boundary": "free"}}))
+
+
+def test_the_study_of_the_documentation_is_one(tmp_path):
+    page = (Path(__file__).parents[2] / "docs/howto_bodies.md").read_text(encoding="utf-8")
+    (written,) = re.findall("```toml\n(.*?)```", page, re.DOTALL)
+    np.save(tmp_path / "afm.npy", 1e-9 * np.random.default_rng(1).standard_normal((32, 32)))
+    (case,) = make_study({**tomllib.loads(written), **REST}, tmp_path).cases
+    parts = realise(case).parts
+    assert len(parts) == 3
+    np.testing.assert_allclose(parts[1].sampled[:64], parts[1].sampled[64:128], atol=1e-20)  # four periods
+    assert parts[1].sampled.std() > 0.9e-9
