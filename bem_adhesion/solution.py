@@ -160,10 +160,25 @@ class NewtonResult:
     pressure: float
 
 
-def check_arguments(grid: Grid, control: str, tolerance: float, max_iterations: int, elasticity: Elasticity) -> None:
-    """Raise ValueError if control or limits are invalid, or the solid does not support the control."""
+def approach_stiffness(elasticity: Elasticity, grid: Grid, machine_compliance: float = 0.0) -> float:
+    """Return the stiffness of the mean under an approach, of solid and machine in series (Pa/m); zero if none."""
+    solid = elasticity.mean_stiffness_on(grid)
+    if not machine_compliance:
+        return solid
+    return 1 / (machine_compliance + (1 / solid if solid else 0.0))
+
+
+def check_arguments(
+    grid: Grid,
+    control: str,
+    tolerance: float,
+    max_iterations: int,
+    elasticity: Elasticity,
+    machine_compliance: float = 0.0,
+) -> None:
+    """Raise ValueError if control or limits are invalid, or solid and machine do not support the control."""
     check_control(control, tolerance, max_iterations, ("pressure", "gap", "approach"))
-    if control == "approach" and not elasticity.mean_stiffness_on(grid):
+    if control == "approach" and not approach_stiffness(elasticity, grid, machine_compliance):
         raise ValueError(
             "control = 'approach': a uniform pressure moves this solid by no finite distance, or not at all; use "
             "'pressure' or 'gap'"

@@ -14,8 +14,9 @@ from bem_adhesion.kernels.local_energy import LocalEnergy
 from bem_adhesion.kernels.local_law import LocalLaw
 from bem_adhesion.linear.conjugate_gradients import typical_wavenumber
 from bem_adhesion.operators import Load, Trace, Window, Work, periodic
-from bem_adhesion.solution import NewtonResult, Outcome, Solution, check_arguments, require_solution
+from bem_adhesion.solution import NewtonResult, Outcome, Solution, approach_stiffness, check_arguments, require_solution
 from contact_study.numerics.arguments import step_arguments
+from contact_study.numerics.balance import LIGHT
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product
 from contact_study.numerics.memory import in_turn
@@ -49,8 +50,8 @@ class AdhesiveContact:
     """One rough surface against a solid under a law, see :func:`rough_contact`; heights outside the window are ignored.
 
     Inside, the units are the law's length and the contact modulus. Every step holds a mean gap by the pressure that it
-    finds; the solid's own stiffness against a uniform pressure holds an approach. The work of adhesion varies in the
-    window alone. With a hardness the gap and a mean gap are over the surface as this step has indented it.
+    finds; the stiffness of solid and machine against a uniform pressure holds an approach. The work of adhesion varies
+    in the window alone. With a hardness the gap and a mean gap are over the surface as this step has indented it.
     """
 
     def __init__(
@@ -67,10 +68,11 @@ class AdhesiveContact:
         trace: Trace | None = None,
         work_of_adhesion: np.ndarray | None = None,
         hardness: float = np.inf,
+        machine_compliance: float = 0.0,
     ):
         self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
-        check_arguments(grid, control, tolerance, max_iterations, self.elasticity)
+        check_arguments(grid, control, tolerance, max_iterations, self.elasticity, machine_compliance)
         self.height, self.law = height, law
         self.control, self.tolerance, self.max_iterations = control, tolerance, max_iterations
         self.hardness = hardness
@@ -89,7 +91,10 @@ class AdhesiveContact:
         # Without softening there is no tail: the shift then only separates points that touch from those that do not.
         softening = self._law.strongest_softening or self._law.equilibrium_stiffness
         shift = PRECONDITIONER_SHIFT * np.sqrt(softening * typical_stiffness)
-        self._spring = solid.mean_stiffness_on(self._grid) if control == "approach" else 0.0
+        self._machine_compliance = machine_compliance * self.elasticity.contact_modulus / self._length
+        self._spring = 0.0
+        if control == "approach":
+            self._spring = approach_stiffness(solid, self._grid, self._machine_compliance)
         if control == "gap":
             # Steps towards a mean gap descend in an energy with a spring on it, as stiff as the solid's stiffest wave.
             self._spring = float(solid.stiffness_on(self._grid).max())
@@ -200,7 +205,9 @@ class AdhesiveContact:
             mean_pressure = float(pressure.mean()) / self.elasticity.contact_modulus
             displacement = float(np.mean(self.height)) / self._length + float(np.mean(result.gap))
             found = displacement - mean_pressure / self._spring
-            if result.outcome is not Outcome.CONVERGED or abs(found - plane) <= self.tolerance:
+            # The force that extends a machine is known as a load would be.
+            extension = self._machine_compliance * min(1.0, abs(mean_pressure) / LIGHT)
+            if result.outcome is not Outcome.CONVERGED or abs(found - plane) <= self.tolerance * (1 + extension):
                 return replace(result, iterations=iterations)
             gap, first_contact = result.gap, False
             tolerance *= 0.1

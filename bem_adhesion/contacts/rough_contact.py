@@ -1,5 +1,6 @@
 """The contact of a rough surface: one function that chooses the solver, and what wraps one: free edges, yielding."""
 
+import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
@@ -96,6 +97,7 @@ def rough_contact(
     hardness: float | None = None,
     trace: Trace | None = None,
     work_of_adhesion: np.ndarray | None = None,
+    machine_stiffness: float | None = None,
 ) -> Contact:
     """Return the contact of a rigid rough surface with an elastic solid, with the solver that the law needs.
 
@@ -114,7 +116,7 @@ def rough_contact(
         The law of interaction.
     control : {"pressure", "gap", "approach"}
         Quantity that a step prescribes, see :meth:`Contact.step`. The gap is for periodic boundaries, the approach for
-        free ones and for compressible layers.
+        free ones, for compressible layers and with a ``machine_stiffness``.
     tolerance, max_iterations : float and int, optional
         Residual of a solution and limit of outer iterations, in place of the solver's defaults. A hard wall takes the
         largest gap in contact over the rms height (1e-10), adhesion the largest unbalanced stress over E* (1e-8).
@@ -130,6 +132,9 @@ def rough_contact(
         Local work of adhesion (J/m²) in place of the law's. Its ratio to that of the law multiplies energy and traction
         at the point: attraction and repulsion, outside a wall the attraction, which may vanish there. Equilibrium
         distance and range stay.
+    machine_stiffness : float, optional
+        Spring in series with the solid under ``control="approach"`` (N/m): the approach is that of the spring's far
+        end, the solid's is shorter by force over stiffness. Energies are those without the spring.
 
     Returns
     -------
@@ -168,6 +173,10 @@ def rough_contact(
         "trace": trace,
     }
     options["work_of_adhesion"] = work_of_adhesion
+    if machine_stiffness is not None:
+        if control != "approach":
+            raise ValueError(f"machine_stiffness: belongs to control = 'approach', not '{control}'; leave it out")
+        options["machine_compliance"] = math.prod(grid.size) / positive("machine_stiffness", machine_stiffness, "N/m")
     made = contact_between(heights, grid, elasticity, law, boundary, hardness, control=control, **options)
     warn_of_coarse_grid(grid, elasticity_of(elasticity), law, work_of_adhesion)
     return made
@@ -238,7 +247,13 @@ class FreeBoundaryContact:
     """A surface of finite extent, its points centres of cells, on a half-space under a force or at an approach."""
 
     def __init__(
-        self, height: np.ndarray, grid: Grid, elasticity: Elasticity | float, law: TractionLaw, **options: Any
+        self,
+        height: np.ndarray,
+        grid: Grid,
+        elasticity: Elasticity | float,
+        law: TractionLaw,
+        machine_compliance: float = 0.0,
+        **options: Any,
     ):
         solid = elasticity_of(elasticity)
         if type(solid) is not HalfSpace:
@@ -252,6 +267,7 @@ class FreeBoundaryContact:
         free = FreeHalfSpace(solid.contact_modulus)
         self._mean_stiffness = free.mean_stiffness_on(self._grid)
         self._share = grid.points / self._grid.points
+        options["machine_compliance"] = machine_compliance / self._share
         heights = np.full(self._grid.shape, -np.inf if law.bare_wall else float(height.min()))
         heights[self._window] = height
         self._padded: HardWallContact | AdhesiveContact

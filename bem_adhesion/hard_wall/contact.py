@@ -11,7 +11,7 @@ from bem_adhesion.hard_wall.active_set import ContactLevel
 from bem_adhesion.kernels.law import PINNED
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact, typical_wavenumber
 from bem_adhesion.operators import Trace, Work, periodic
-from bem_adhesion.solution import Outcome, Solution, check_arguments, require_solution
+from bem_adhesion.solution import Outcome, Solution, approach_stiffness, check_arguments, require_solution
 from contact_study.numerics.arguments import positive, step_arguments
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product
@@ -45,9 +45,11 @@ class HardWallContact:
         hardness: float | None = None,
         unit: float | None = None,
         trace: Trace | None = None,
+        machine_compliance: float = 0.0,
     ):
         self.elasticity = elasticity_of(elasticity)
-        check_arguments(grid, control, tolerance, max_iterations, self.elasticity)
+        check_arguments(grid, control, tolerance, max_iterations, self.elasticity, machine_compliance)
+        self._approach_stiffness = approach_stiffness(self.elasticity, grid, machine_compliance)
         self.turn = RLock()
         self.control, self.tolerance, self.max_iterations = control, tolerance, max_iterations
         self.grid = grid
@@ -161,7 +163,7 @@ class HardWallContact:
         plane = highest - approach
         if approach <= self._rounding:
             return self._apart(plane)
-        stiffness = self.elasticity.mean_stiffness_on(self.grid)
+        stiffness = self._approach_stiffness
 
         def excess(found: Solution) -> float:
             return float(found.displacement.mean()) - float(found.pressure.mean()) / stiffness - plane

@@ -6,9 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.contacts.rough_contact import contact_between
 from bem_adhesion.study.adaptive import EnergyLedger, adaptive_step, ledger_of, passed_states
 from bem_adhesion.study.interface import adhesion_of, interface_state, solver_options
+from bem_adhesion.study.trigger import Trigger, step_to_trigger, warn_of_trigger
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
@@ -23,10 +25,14 @@ def path_of_equilibria(
     """Yield the equilibrium at each point of a case's path; parameters as for :func:`solve_path`."""
     kind = case.solid, case.law, case.elasticity.boundary, case.material.hardness
     options = solver_options(case, surface.grid.points) | {"work_of_adhesion": adhesion_of(case, surface.grid)}
+    if compliance := case.machine_compliance:
+        options["machine_compliance"] = compliance
     contact = contact_between(surface.sampled, surface.grid, *kind, **options)
     state, ledger = contact.separated() if restart is None else restart["state"], None
+    trigger, position = Trigger.of(case), min(0.0, case.law.equilibrium_distance - reach(case.law))  # out of reach
     if restart is not None:
         ledger = EnergyLedger(*restart["account"].tolist()) if "account" in restart else None
+        position = float(restart.get("position", position))
     elif case.least_step is not None and case.loading.control == "pressure":  # with another control after one step
         apart = state if case.material.hardness is None else state[0]
         ledger = EnergyLedger(0.0, 0.0, float(apart.mean()), 0.0, False)
@@ -35,14 +41,15 @@ def path_of_equilibria(
     for number, (value, _) in enumerate(case.path[start:], start):
         passed: list[EnergyLedger] = []
         if ledger is None:
-            solution = contact.step(state, value)
+            solution, position = step_to_trigger(contact, state, position, value, trigger)
             if case.least_step is not None and solution.converged:
-                ledger = ledger_of(solution, value, case.solid)
+                ledger = ledger_of(solution, position, case.solid, compliance=compliance)
                 passed.append(ledger)
         else:
             noise = _NOISE * case.law.work_of_adhesion
             assert case.least_step is not None  # only adaptive paths have a ledger
-            solution, (_, *passed) = adaptive_step(contact, state, ledger, value, case.least_step, case.solid, noise)
+            about = case.least_step, case.solid, noise, compliance, trigger
+            solution, (_, *passed) = adaptive_step(contact, state, ledger, value, *about)
             ledger = passed[-1] if passed else ledger
         state = solution.state
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
@@ -52,9 +59,18 @@ def path_of_equilibria(
             found = replace(
                 found,
                 further={**found.further, **losses},
-                passed=passed_states(passed, case.law.equilibrium_distance),
+                passed=passed_states(passed, case.law.equilibrium_distance, compliance),
                 restart={**found.restart, "account": np.array(ledger, float)},
             )
+        if compliance:
+            extended = (
+                float(np.max(surface.sampled)) - found.mean_separation + compliance * float(found.pressure.mean())
+            )
+            found = replace(found, further={**found.further, "approach": extended})
+        if case.loading.trigger_force is not None:
+            if ledger is None:
+                found = replace(found, restart={**found.restart, "position": np.array(position)})
+            warn_of_trigger(case, number, float(found.pressure.mean()))
         _warn_of_rim(case, number, found, warned)
         yield found
 

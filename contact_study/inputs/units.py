@@ -42,6 +42,7 @@ _COMMON = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "ps": 1e-12, "fs": 1e-15},
     "m/s": {"m/s": 1.0},
     "rad": {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180},
+    "N/m": {"N/m": 1.0, "mN/m": 1e-3, "nN/nm": 1.0},
     "m^-1": {"m^-1": 1.0, "um^-1": 1e6, "nm^-1": 999999999.9999999, "angstrom^-1": 1e10},
     "m^4": {"m^4": 1.0, "um^4": 9.999999999999997e-25, "nm^4": 1.0000000000000003e-36},
 }
@@ -113,6 +114,11 @@ def stress(pascals: float) -> str:
     return _suited((pascals,), ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")), 3)
 
 
+def force(newtons: float) -> str:
+    """Write a force in the unit that suits it, to three digits."""
+    return _suited((newtons,), ((1.0, "N"), (1e-3, "mN"), (1e-6, "µN"), (1e-9, "nN"), (1e-12, "pN")), 3)
+
+
 def _suited(values: Sequence[float], known: Sequence[tuple[float, str]], digits: int) -> str:
     largest = max(abs(value) for value in values)
     size, unit = next((pair for pair in known if largest >= 0.9995 * pair[0]), known[-1])
@@ -162,6 +168,7 @@ EXAMPLES = {
     "K": "300 K",
     "s": "10 fs",
     "m/s": "10 m/s",
+    "N/m": "0.2 N/m",
     "s^-1": "0.1 ps^-1",
     "m^-1": "0.3 nm^-1",
     "m^4": "2 nm^4",

@@ -193,9 +193,10 @@ def _jump_in(states: np.ndarray, compliance: float) -> dict[str, float]:
     found = {"jump_in_pressure": pressure, "jump_in_separation": before + compliance * pressure}
     off = 0.0
     if first and (way := states[first - 1, _SEPARATION] - before) > 0:
-        # Toward a fold, at the latest at the next state, the pressure goes as the root of the way that is left.
+        # Toward a fold, at the latest at the next state, the pressure goes as the root of the way that is left; half as
+        # much again for a step that begins where it does not yet.
         left = max(before - after, 0.0)
-        off = abs(pressure - states[first - 1, _PRESSURE]) * (np.sqrt(left * (left + way)) + left) / way
+        off = 1.5 * abs(pressure - states[first - 1, _PRESSURE]) * (np.sqrt(left * (left + way)) + left) / way
         found["jump_in_pressure_resolution_error"] = off
     found["jump_in_separation_resolution_error"] = before - after + compliance * off
     return {name: float(value) for name, value in found.items()}

@@ -90,12 +90,16 @@ class Case:
             )
         if free and control == "gap":
             raise InputError('loading.control = "gap": elasticity.boundary = "free" takes "pressure" or "approach"')
-        if not free and control == "approach" and not self.solid.mean_compliance:
+        for name in ("machine_stiffness", "trigger_force"):
+            if getattr(self.loading, name) is not None and control != "approach":
+                raise InputError(f'loading.{name}: belongs to loading.control = "approach", not "{control}"')
+        moves = free or self.solid.mean_compliance or self.loading.machine_stiffness
+        if control == "approach" and not moves:
             held = math.isfinite(self.solid.depth)
             moved = "not at all, being incompressible" if held else "by no finite distance, repeated periodically"
             raise InputError(
                 f'loading.control = "approach": a uniform pressure moves elasticity.kind = "{self.elasticity.kind}" '
-                f'{moved}; use "pressure" or "gap"'
+                f'{moved}; use "pressure" or "gap", or give the spring loading.machine_stiffness'
             )
         peak = self.law.peak_tensile_stress
         if self.law.attracts and control == "pressure" and lowest < -peak:
@@ -127,6 +131,8 @@ class Case:
             raise InputError(f"loading.duration holds {len(duration)} times for {len(path)} points of loading.path")
         refuse(
             {
+                f"loading.machine_stiffness: not known of {kind}; leave it out": self.loading.machine_stiffness
+                is not None,
                 f"loading.adaptive: not known of {kind}; leave it out": self.loading.adaptive,
                 f'solver.path = "overdamped": not known of {kind}; leave it out': self.solver.path == "overdamped",
                 f"output.stiffness: not known of {kind}; leave it out": self.output.stiffness,
@@ -191,6 +197,17 @@ class Case:
     @cached_property
     def law(self) -> TractionLaw:
         return self.interaction.make_law(self.work_of_adhesion)
+
+    @property
+    def nominal_area(self) -> float:
+        """Area of the cell (m²), one without a surface."""
+        return math.prod(self.surface.cell(self.directory) or ())
+
+    @property
+    def machine_compliance(self) -> float:
+        """Compliance of ``loading.machine_stiffness`` per nominal area, zero if rigid (m/Pa)."""
+        stiffness = self.loading.machine_stiffness
+        return self.nominal_area / stiffness if stiffness else 0.0
 
     @property
     def contact_distance(self) -> float:

@@ -311,9 +311,11 @@ def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     fluctuation, applied = 6 * scales.full_contact_stress(case.solid), 0.0
     if case.loading.control == "pressure":
         applied = max(map(abs, path))
-    elif case.loading.control == "approach" and case.solid.mean_compliance:
-        # What a compressible layer takes where no gap closes; less if one does.
-        applied = min(max(0.0, *path) / case.solid.mean_compliance, case.material.hardness or np.inf)
+    elif case.loading.control == "approach" and (compliance := case.solid.mean_compliance + case.machine_compliance):
+        # What a compressible layer, or a machine, takes where no gap closes; less if one does.
+        applied = min(max(0.0, *path) / compliance, case.material.hardness or np.inf)
+        if (trigger := case.loading.trigger_force) is not None:
+            applied = min(applied, trigger / case.nominal_area)
     # Any range suits a flat hard wall under a prescribed gap, which carries nothing.
     compression = (fluctuation + applied + peak) or case.solid.contact_modulus
     # No tension exceeds the law's peak; a quarter more shows that. Persson's theory has no peak, but its tension is at

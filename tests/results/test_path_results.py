@@ -115,8 +115,8 @@ def test_pressure_at_a_fold_is_within_its_error(left):
         energy[i] = energy[i - 1] - 0.5 * (pressure[i] + pressure[i - 1]) * (separation[i] - separation[i - 1])
     found = path_results(series(pressure, separation, energy), "gap")
     assert found["jump_in_pressure"] == branch[2]
-    # Exact where the fold is at the next state, but for rounding.
-    assert abs(branch[2] + 1) <= found["jump_in_pressure_resolution_error"] * (1 + 1e-12) < 0.5
+    # Two thirds of it where the fold is at the next state.
+    assert abs(branch[2] + 1) <= found["jump_in_pressure_resolution_error"] * (1 + 1e-12) / 1.5 < 0.5
 
 
 def test_forces_and_energies_are_those_of_the_nominal_area():

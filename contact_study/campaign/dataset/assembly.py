@@ -1,6 +1,5 @@
 """Assemble the groups of one dataset from the values of every case."""
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -65,9 +64,8 @@ def _read(case: Case, source: CaseSource, bins: Bins, rebinned: list[int]) -> _C
         # A longer path may have lost a path result of the shorter one.
         for name in [name for name in constants if name.removesuffix(schema.RESOLUTION_ERROR) in PATH_RESULTS]:
             del constants[name]
-        cell = case.surface.cell(case.directory)
-        constants |= with_forces(path_results(series_of(steps, control), control), math.prod(cell or ()))
-        constants |= percolation_threshold(steps)
+        found = path_results(series_of(steps, control, case.machine_compliance), control)
+        constants |= with_forces(found, case.nominal_area) | percolation_threshold(steps)
     return case.index, constants, steps
 
 

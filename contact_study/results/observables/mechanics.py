@@ -86,6 +86,9 @@ FURTHER = Observable(
             "contact_stiffness over contact modulus, by the analogy of J. R. Barber, Proc. R. Soc. A 459, 53 (2003); "
             "exact for a wall without adhesion, whose contact alone conducts; half-spaces only",
         ),
+        "approach": Variable(
+            "m", "approach of the machine beyond its stiffness: displacement plus force over stiffness"
+        ),
         "dissipated_energy": Variable("J m-2", "energy dissipated in jumps so far per nominal area, without pull-off"),
         "dissipated_energy_resolution_error": Variable(
             "J m-2", "uncertainty of dissipated_energy: position of a jump within its step"

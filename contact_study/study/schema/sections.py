@@ -80,6 +80,14 @@ class LoadingSection:
         "time to each point of the path from the previous one, or a list (viscoelastic)",
         None,
     )
+    machine_stiffness: float | None = key(
+        quantity("N/m", positive=True),
+        "stiffness of cantilever or machine in series with the body (approach; default rigid)",
+        None,
+    )
+    trigger_force: float | None = key(
+        quantity("N", positive=True), "force at which the way in ends, before larger approaches of the path", None
+    )
     time_steps: int = key(keys.integer(1, 1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1)
     has_forces: bool = field(init=False, repr=False, compare=False)  # a path of forces (N), before :meth:`spread`
     # Name, and size in SI, of the unit that the path's first point is written in: to speak to the user in it.
