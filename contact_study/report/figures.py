@@ -6,6 +6,7 @@ from operator import attrgetter
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 
 from contact_study import plots
@@ -73,6 +74,8 @@ def draw(
         drawn["atoms"] = [composed.wide(plots.atoms, atoms, 2.2, state)]
     if found := cycles(inputs):
         drawn["loop"] = [composed.loops(found)]
+    if (probed := _probed(inputs, shown)) is not None:
+        drawn["force"] = [composed.wide(plots.force_curve, probed, 3.2)]
     theory = next((own for own in models.values() if "persson_tosatti_ratio" in own), None)
     if theory is not None and np.isfinite(theory["finest_tabor_number"]).any():
         drawn["criteria"] = [composed.wide(plots.criteria_map, theory, 3.2)]
@@ -87,6 +90,22 @@ def draw(
         for name, own in (drawn if page else {}).items()
     }
     return Figures(pages, shown_states.captions(inputs, shown, sample, banded, scatter), files)
+
+
+def _probed(inputs: Inputs, shown: PanelPoints) -> xr.Dataset | None:
+    """Return the first simulation with a displacement of a body of finite extent or under a prescribed approach.
+
+    One sample of it; of many points of the sweep the one that is shown.
+    """
+    free = inputs.study.cases[0].elasticity.boundary == "free" or inputs.control == "approach"
+    known = (inputs.models[name] for name in inputs.simulations)
+    probed = next((own for own in known if free and np.isfinite(own.get("displacement", np.nan)).any()), None)
+    if probed is None:
+        return None
+    if inputs.average in probed.dims:
+        probed = probed.isel({inputs.average: 0})
+    many = len(sweep_points(inputs.models)) > len(COLOURS)
+    return probed.sel({key: value for key, value in shown.case.selection.items() if many and key in probed.dims})
 
 
 def _areas(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:

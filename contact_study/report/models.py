@@ -33,6 +33,7 @@ FIGURE_TITLES = {
     "magnification": "Magnification",
     "atoms": "Atoms",
     "loop": "Loading and unloading",
+    "force": "Force curve",
     "criteria": "Criteria of sticking",
 }
 """Figures of a report by name, in the order of their numbers."""

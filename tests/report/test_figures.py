@@ -9,6 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.legend import Legend
 
+import contact_study
 from contact_study.plots.panels import Band, gap_maps, magnification, palette, saved
 from contact_study.plots.paths import ERROR, Curve, Look, path_segments
 from contact_study.plots.selection import extent, touching
@@ -63,6 +64,26 @@ def check_page(name, figure):
 def test_nothing_is_printed_over_anything_or_cut(monkeypatch, tmp_path, text, kinds):
     for name, figure in drawn(monkeypatch, read(tmp_path, text, kinds))[0].items():
         check_page(name, figure)
+
+
+@pytest.mark.filterwarnings("ignore:.*(process zone|of the surface)")
+def test_probes_have_a_force_curve(monkeypatch, tmp_path):
+    study = {
+        "surface": {"kind": "sphere", "radius": 50e-9, "size": 20e-9, "shape": [12, 12]},
+        "material": {"youngs_modulus": 1e9, "poissons_ratio": 0.3},
+        "elasticity": {"boundary": "free"},
+        "interaction": {"law": "exponential", "work_of_adhesion": 0.05, "length": "0.5 nm"},
+        "loading": {"control": "approach", "path": ["-2 nm", "0.5 nm", "-0.5 nm"], "machine_stiffness": "1 N/m"},
+        "sweep": {"material.youngs_modulus": [1e9, 2e9]},
+    }
+    found = contact_study.run(study, "continuum", output=tmp_path / "probe.nc")
+    shown, captions = drawn(monkeypatch, read_inputs([tmp_path / "probe.nc"]))
+    check_page("force", shown["force"])
+    lines = [line for line in shown["force"].axes[0].lines if len(line.get_xdata()) == 3][::2]
+    for line, force in zip(lines, found.total_force.values, strict=True):
+        assert np.nanmax(line.get_ydata()) == pytest.approx(force[1] / 1e-9)
+    assert "Force against the displacement of the body" in captions["force"]
+    assert "force" not in drawn(monkeypatch, read(tmp_path, LOOP))[0], "a periodic cell under pressure"
 
 
 def cell(gap, size=(1e-8, 1e-8)):
