@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 # A dozen doubles: height, gap, pressure, displacement, its spectrum, the kernel and arrays of the solver.
 _BYTES_PER_POINT = 100
 
+_LEAKAGE_PER_POINT = 1700  # bytes, of the factors of a sparse matrix, measured on 256² to 1024² points
+
 _GROUPS = Path("/sys/fs/cgroup")
 _OWN_GROUPS = Path("/proc/self/cgroup")
 
@@ -34,6 +36,11 @@ class Need:
 def on_grid(shape: tuple[int, int]) -> float:
     """Memory (bytes) of a simulation on a grid of this shape."""
     return float(shape[0] * shape[1] * _BYTES_PER_POINT)
+
+
+def of_leakage(shape: tuple[int, int]) -> float:
+    """Memory (bytes) of a direct solve of Reynolds flow on a grid of this shape."""
+    return on_grid(shape) + float(shape[0] * shape[1] * _LEAKAGE_PER_POINT)
 
 
 def most_points() -> float:
@@ -107,6 +114,7 @@ _ADHESIVE = (0.6e-6, 5e-6)
 _FREE_BOUNDARY = 4.0  # factor
 _SLOW_MOTION = 30.0  # factor
 _ATOMS = (6e-6, 1e-4)
+_LEAKAGE = (4e-6, 4e-5)
 _THEORY = (0.02, 0.5)  # per load step alone
 
 
@@ -114,6 +122,9 @@ def seconds_of(kind: str, steps: "Iterable[tuple[Case, int]]") -> tuple[float, f
     """Typical and long processor time of so many load steps of each case (s); None where it was not measured."""
     low = high = 0.0
     for case, number in steps:
+        if kind != "theory" and case.output.leakage and case.surface.shape:
+            flow = number * case.surface.shape[0] * case.surface.shape[1]
+            low, high = low + _LEAKAGE[0] * flow, high + _LEAKAGE[1] * flow
         points, slow, free = 1.0, False, kind != "theory" and case.elasticity.boundary == "free"
         if kind == "theory":
             own_low, own_high = _THEORY

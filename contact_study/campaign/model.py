@@ -4,7 +4,7 @@ import importlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from contact_study.campaign.memory import Need, on_grid
+from contact_study.campaign.memory import Need, of_leakage, on_grid
 from contact_study.inputs.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,6 +44,9 @@ class Model:
         """Return the largest memory that a case needs; raises InputError if the model cannot run it."""
         shape, own = case.surface.shape or (0, 0), getattr(self.code, "needs", None)
         grid = Need(on_grid(shape), f"surface.shape = {list(shape)}", "fewer points")
+        if self.kind != "theory" and case.output.leakage:
+            culprit = f"output.leakage on surface.shape = {list(shape)}"
+            grid = Need(of_leakage(shape), culprit, "fewer points, or leave output.leakage out")
         return max([grid, *(own(case) if own else ())], key=lambda need: need.size)
 
 

@@ -16,6 +16,7 @@ from contact_study.plots.densities import (
 )
 from contact_study.plots.force_curves import force_curve
 from contact_study.plots.maps import atoms, contact_map, gap_map, height_map, pressure_map, section
+from contact_study.plots.patches import leakage, patch_sizes
 from contact_study.plots.sweep_maps import criteria_map, deviations
 
 __all__ = [
@@ -32,7 +33,9 @@ __all__ = [
     "gap_map",
     "height_map",
     "hysteresis_loop",
+    "leakage",
     "mean_gap",
+    "patch_sizes",
     "pressure_map",
     "section",
     "stress_by_magnification",

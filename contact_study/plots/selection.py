@@ -17,6 +17,7 @@ def require(dataset: xr.Dataset, *names: str) -> None:
     hints = dict.fromkeys(("gap", "pressure", "height"), "; fields are kept with output.fields = true")
     hints |= dict.fromkeys(BY_ATOM, '; atoms are kept with output.atoms = "surface"')
     hints["pressure_pdf_at"] = "; it is kept with theory.magnifications = 48"
+    hints |= dict.fromkeys(("hydraulic_gap_x", "hydraulic_gap_y"), "; it is kept with output.leakage = true")
     for name in names:
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}{hints.get(name, '')}")

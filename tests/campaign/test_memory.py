@@ -5,6 +5,7 @@ import pytest
 
 from contact_study.campaign import engines, memory
 from contact_study.campaign import run as runner
+from contact_study.campaign.model import MODELS
 from contact_study.campaign.record import prepare_run
 from contact_study.inputs.errors import InputError
 from contact_study.study.study import make_study
@@ -115,3 +116,13 @@ def test_a_worker_has_its_share(monkeypatch):
         memory.require(memory.Need(1e9, "x", "y"))
     memory.set_share(None)
     assert memory._memory() == machine
+
+
+def test_leakage_counts_in_memory_and_time():
+    case = make_study(changed()).cases[0]
+    asked = dataclasses.replace(case, output=dataclasses.replace(case.output, leakage=True))
+    points = case.surface.shape[0] * case.surface.shape[1]
+    # Factors of the flow's matrix take 1500 to 1850 bytes for each point of 256² to 1024².
+    assert MODELS["continuum"].needs(asked).size - MODELS["continuum"].needs(case).size == 1700 * points
+    (low, _), (more, _) = (memory.seconds_of("continuum", [(each, 1)]) for each in (case, asked))
+    assert more - low == pytest.approx(4e-6 * points)

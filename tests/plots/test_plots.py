@@ -403,3 +403,23 @@ def test_force_curves_show_all_states_that_adaptive_steps_passed():
         line = plots.force_curve(found, against=against).lines[0]
         np.testing.assert_allclose([line.get_xdata()[2], line.get_ydata()[2]], [x, 1.0])
         assert len(line.get_xdata()) == 6
+
+
+def test_patch_sizes_and_leakage():
+    density = np.array([[0.0, 4e3, 20.0], [1e4, 0.0, 5.0]])
+    sizes = xr.Dataset(
+        {"patch_size_density": (("step", "relative_patch_area"), density)},
+        {"step": [0, 1], "relative_patch_area": [1e-4, 1e-3, 1e-2]},
+    )
+    for line, values in zip(plots.patch_sizes(sizes).lines, density, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), [1e-4, 1e-3, 1e-2])
+        np.testing.assert_array_equal(line.get_ydata(), np.where(values > 0, values, np.nan))
+    wide, narrow = [3e-9, 2e-9, 0.0, 0.0], [2e-9, 1e-9, 1e-10, 0.0]
+    leaks = path([1e6, 2e6, 3e6, 4e6], [0.1, 0.2, 0.4, 0.5], [5e-9] * 4, [0] * 4)
+    leaks = leaks.assign(hydraulic_gap_x=("step", wide), hydraulic_gap_y=("step", narrow), percolation_area=0.45)
+    along_x, along_y, end = plots.leakage(leaks).lines
+    np.testing.assert_allclose(along_x.get_xydata(), [[0.1, 3.0], [0.2, 2.0]])  # nm, and no zero
+    np.testing.assert_allclose(along_y.get_xydata(), [[0.1, 2.0], [0.2, 1.0], [0.4, 0.1]])
+    assert (along_y.get_linestyle(), along_y.get_label(), end.get_xdata()[0]) == ("--", "along y", 0.45)
+    with pytest.raises(ValueError, match=r"output\.leakage = true"):
+        plots.leakage(leaks.drop_vars("hydraulic_gap_y"))

@@ -17,6 +17,8 @@ PICTURES = {
     "force": ("force_curve", False, False, "force against displacement, approach and retraction"),
     "map": ("gap_map", True, True, "local gap"),
     "pressure": ("pressure_map", True, True, "local pressure"),
+    "patches": ("patch_sizes", True, True, "number density of the patches' areas"),
+    "leakage": ("leakage", False, False, "hydraulic gap against contact area (output.leakage)"),
     "contact": ("contact_map", True, True, "contact and its clusters"),
     "section": ("section", True, True, "section through the interface"),
     "heights": ("height_map", True, False, "the rough surface"),

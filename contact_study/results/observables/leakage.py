@@ -1,8 +1,8 @@
 """Leakage: Reynolds flow of a thin film through the gap.
 
 The film obeys ∇·(u³ ∇P) = 0, u³ / 12 η being its mobility; contact is closed. The flow is that of a unit drop of P over
-one period, or between opposite rims without flow through the others (A. Wang & M. H. Müser, Tribol. Lett. 69, 1
-(2021), arXiv:2010.13470, and references there).
+one period, or between opposite rims without flow through the others (as A. Wang & M. H. Müser, Tribol. Lett. (2021),
+doi:10.1007/s11249-020-01378-7, arXiv:2010.13470).
 """
 
 import numpy as np
