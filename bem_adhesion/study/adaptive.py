@@ -1,12 +1,12 @@
-"""Adaptive steps along a path of equilibria, with the energy that jumps dissipate.
+"""Adaptive steps along a path, of equilibria or in time, with the energy that jumps dissipate.
 
-Along a branch the work of the load is stored, D = −∫p ds − ΔU is zero, s the separation of the mean planes. Behind a
-spring s is that of its far end, and U includes its energy. An adaptive step with more D than a share, that fails, or
-that passes over the largest tension is halved, down to the least: a jump. A step that succeeds is followed by one twice
-as long.
+Along a branch the work of the load is stored, or lost by the solid's viscosity: D = −∫p ds − ΔU − ΔV is zero, s the
+separation of the mean planes. Behind a spring s is that of its far end, and U includes its energy. An adaptive step
+with more D than a share, that fails, or that passes over the largest tension is halved, down to the least: a jump. A
+step that succeeds is followed by one twice as long.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -22,24 +22,33 @@ from contact_study.results.path_results import UNACCOUNTED, beyond_spring, lowes
 
 # First step over the way between two points: the error of the trapezoidal rule could hide a jump in all of it.
 FIRST_STEP = 0.25
+NOISE = 1e-6  # unaccounted work of a step that counts as none, over the work of adhesion
 PASSED_OVER = 0.01  # relative excess of the tension between two states over that at both
 
 
 class EnergyLedger(NamedTuple):
     """A state on a path, and the energy dissipated in jumps so far with its uncertainty; energies per area (J/m²)."""
 
-    position: float  # prescribed mean pressure (Pa), mean gap or approach (m)
+    position: float  # prescribed mean pressure (Pa), mean gap or approach (m); of a path in time the time (s)
     pressure: float
     separation: float  # of the mean planes, from any origin, or of the far end of a spring (m)
     energy: float  # with that spring's, and the plastic work so far, which is no loss of a jump
     attached: bool
     dissipated: float = 0.0
     uncertain: float = 0.0
+    viscous: float = 0.0  # dissipated by the solid so far
+    open: float = 0.0  # work of the steps that are no jumps, not accounted for so far
 
     @property
     def state(self) -> np.ndarray:
-        """Mean pressure, separation and energy."""
-        return np.array([self.pressure, self.separation, self.energy])
+        """Mean pressure, separation, energy and viscous dissipation."""
+        return np.array([self.pressure, self.separation, self.energy, self.viscous])
+
+
+_CARRIED = ("dissipated", "uncertain", "viscous", "open")
+
+# Takes a step from a solver's state and its ledger to a position; the ledger that it returns has the jumps so far.
+Move = Callable[[np.ndarray, EnergyLedger, float], tuple[Solution, EnergyLedger]]
 
 
 def ledger_of(
@@ -56,12 +65,17 @@ def ledger_of(
     separation = float(np.mean(solution.displacement)) if solution.detached else separation_of(solution, solid)
     energy = solution.elastic_energy + solution.interaction_energy + solution.plastic_work
     pressure, far, stored = beyond_spring(np.array([np.mean(solution.pressure), separation, energy]), compliance)
-    return EnergyLedger(
+    found = EnergyLedger(
         position,
         *(float(pressure), float(far), float(stored)),
         not solution.detached,
-        *((before.dissipated, before.uncertain) if before else ()),
     )
+    return found if before is None else found._replace(**{name: getattr(before, name) for name in _CARRIED})
+
+
+def losses_of(ledger: EnergyLedger) -> dict[str, float]:
+    """Return what jumps have dissipated so far and its uncertainty (J/m²), by names in a dataset."""
+    return {"dissipated_energy": ledger.dissipated, "dissipated_energy_resolution_error": ledger.uncertain}
 
 
 def passed_states(passed: Sequence[EnergyLedger], equilibrium_distance: float, compliance: float = 0.0) -> np.ndarray:
@@ -86,9 +100,34 @@ def adaptive_step(
     compliance: float = 0.0,
     trigger: Trigger = NO_TRIGGER,
 ) -> tuple[Solution, list[EnergyLedger]]:
+    """Go to the next equilibrium of a path, behind a spring of ``compliance`` per area (m/Pa), see :func:`follow`."""
+
+    def move(state: np.ndarray, now: EnergyLedger, position: float) -> tuple[Solution, EnergyLedger]:
+        found = contact.step(state, position)
+        return found, ledger_of(found, position, solid, now, compliance)
+
+    def stop(state: np.ndarray, now: EnergyLedger, beyond: float) -> tuple[Solution, EnergyLedger]:
+        found, position = step_to_trigger(contact, state, now.position, beyond, trigger)
+        return found, ledger_of(found, position, solid, now, compliance)
+
+    return follow(move, state, before, target, least, noise, UNACCOUNTED, trigger, stop)
+
+
+def follow(
+    move: Move,
+    state: np.ndarray,
+    before: EnergyLedger,
+    target: float,
+    least: float,
+    noise: float,
+    accuracy: float,
+    trigger: Trigger = NO_TRIGGER,
+    stop: Move | None = None,
+) -> tuple[Solution, list[EnergyLedger]]:
     """Go to the next point in steps whose work is accounted for, but for a ``noise`` (J/m²), or fail at the least step.
 
-    A way inwards ends at the trigger, behind a spring of ``compliance`` per area (m/Pa).
+    The work is accounted for up to the ``accuracy``, a share of what is exchanged; a jump is a loss beyond UNACCOUNTED.
+    A way inwards ends at the trigger, to which ``stop`` steps, given a position beyond it.
 
     Returns the last state that converged, with the work of all steps, and the ledgers passed from ``before`` on.
     """
@@ -101,12 +140,12 @@ def adaptive_step(
         life.beat()
         now = passed[-1]
         last = abs(length) >= abs(target - now.position)
-        found = contact.step(state, target if last else now.position + length)
+        found, new = move(state, now, target if last else now.position + length)
         pairs, iterations = pairs + found.fft_pairs, iterations + found.iterations
-        new = ledger_of(found, target if last else now.position + length, solid, now, compliance)
-        lost, exchanged = map(float, unaccounted(now.state, new.state)) if new.attached else (0.0, 0.0)
         detached = now.attached and not new.attached
+        lost, exchanged = (0.0, 0.0) if detached else map(float, unaccounted(now.state, new.state))
         jumped = detached or abs(lost) > max(UNACCOUNTED * exchanged, noise)
+        rough = detached or abs(lost) > max(accuracy * exchanged, noise)
         way = new.position - now.position
         stronger = _skips_pull_off(now, new, noise)
         if found.converged and len(passed) > 1 and _turns_too_sharply(passed[-2], now, new):
@@ -116,7 +155,7 @@ def adaptive_step(
                 passed.pop()
                 state, earlier, length = earlier, None, 0.5 * way_before
                 continue
-        if (jumped or stronger or not found.converged) and abs(way) > least:
+        if (rough or stronger or not found.converged) and abs(way) > least:
             length = 0.5 * way
             continue
         if not found.converged:
@@ -124,13 +163,14 @@ def adaptive_step(
             return ended, passed
         if way > 0 and trigger.missing(new.pressure) < 0:
             last = True
-            if not jumped:
-                found, at = step_to_trigger(contact, state, now.position, new.position, trigger)
+            if not jumped and stop is not None:
+                found, new = stop(state, now, new.position)
                 pairs, iterations = pairs + found.fft_pairs, iterations + found.iterations
-                new = ledger_of(found, at, solid, now, compliance)
         if jumped and not detached:
             unknown = float(undecided(now.state, new.state))
             new = new._replace(dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)
+        else:
+            new = new._replace(open=now.open + lost)
         state, earlier, length = found.state, state, 2 * way
         passed.append(new)
         torn = torn or bool(detached)

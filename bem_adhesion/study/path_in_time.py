@@ -1,7 +1,12 @@
-"""Loading paths in time, of viscoelastic solids: the load changes at a constant rate, in equal steps."""
+"""Loading paths in time, of viscoelastic solids: the load changes at a constant rate, in equal or adaptive steps.
+
+Adaptive steps hold work that is neither stored nor lost by the branches as that of a jump, at their least duration. It
+is well below the shortest relaxation time, so that a jump meets the instantaneous modulus, and what takes longer is a
+viscous slide.
+"""
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -9,13 +14,16 @@ import numpy as np
 
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.solution import Solution
-from bem_adhesion.study.adaptive import ledger_of, passed_states
+from bem_adhesion.study.adaptive import NOISE, EnergyLedger, follow, ledger_of, losses_of, passed_states
 from bem_adhesion.study.interface import adhesion_of, interface_state, solver_options
 from contact_study.physics.process_zone import TOO_COARSE
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
+
+# Unaccounted share of the work that a step exchanges. The error of a step's rates is of the same order in its duration.
+ACCURACY = 0.002
 
 
 class TimeState(NamedTuple):
@@ -24,6 +32,19 @@ class TimeState(NamedTuple):
     position: float
     time: float = 0.0
     dissipated: float = 0.0
+
+
+class Ramp(NamedTuple):
+    """A load (Pa or m) that changes at a constant rate in a time (s)."""
+
+    begin: float
+    target: float
+    duration: float
+
+    def at(self, time: float) -> float:
+        """Return the load after a time (s)."""
+        way = self.target - self.begin
+        return self.target if time == self.duration else self.begin + time / self.duration * way
 
 
 def steps_in_time(
@@ -43,30 +64,70 @@ def steps_in_time(
         state = solution.state
 
 
+def adaptive_interval(
+    contact: ViscoelasticContact, state: np.ndarray, before: EnergyLedger, ramp: Ramp, least: float, noise: float
+) -> tuple[Solution, list[EnergyLedger]]:
+    """Go along a ramp in adaptive steps of time, at least ``least`` (s), as :func:`follow`; positions are its times."""
+
+    def move(state: np.ndarray, now: EnergyLedger, time: float) -> tuple[Solution, EnergyLedger]:
+        found, lost = contact.step(state, ramp.at(time), time - now.position)
+        new = ledger_of(found, time, contact.solid, now)._replace(viscous=now.viscous + lost)
+        return found, new._replace(separation=contact.first_gap) if found.detached else new
+
+    return follow(move, state, before._replace(position=0.0), ramp.duration, least, noise, ACCURACY)
+
+
 def path_in_time(
     case: Case, surface: Surface, solid: Viscoelastic, restart: Mapping[str, np.ndarray] | None, start: int
 ) -> Iterator[InterfaceState]:
     """Yield the states of a case's path with their times; parameters as for :func:`solve_path`."""
-    loading = case.loading
+    loading, distance = case.loading, case.law.equilibrium_distance
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study warns for all cases
         options = solver_options(case, surface.grid.points) | {"work_of_adhesion": adhesion_of(case, surface.grid)}
         contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, **options)
-    if restart is None:
-        out_of_reach = contact.first_gap - case.law.equilibrium_distance
-        state, now = contact.separated(), TimeState(0.0 if loading.control == "pressure" else out_of_reach)
-    else:
+    origin = 0.0 if loading.control == "pressure" else contact.first_gap - distance
+    state, now, ledger = contact.separated(), TimeState(origin), EnergyLedger(0.0, 0.0, contact.first_gap, 0.0, False)
+    if restart is None and case.least_step and loading.control == "gap":  # the law's far end has an energy, too
+        begun, _ = contact.step(state, origin, 1e9 * max(solid.relaxation_times))
+        state, ledger = begun.state, ledger_of(begun, 0.0, solid)
+    elif restart is not None:
         state, now = restart["state"], TimeState(*restart["moment"].tolist())
+        ledger = EnergyLedger(*restart["account"].tolist()) if case.least_step else ledger
     for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
-        passed = []
-        for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
-            if solution.converged:
-                passed.append(ledger_of(solution, moment.position, case.solid))
-        state, now = solution.state, moment
+        ramp = Ramp(now.position, target, duration)
+        further: dict[str, float] = {}
+        account: dict[str, np.ndarray] = {}
+        if case.least_step is None:
+            ledgers = []
+            for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
+                if solution.converged:
+                    ledgers.append(ledger_of(solution, moment.position, solid))
+            now, passed = moment, passed_states(ledgers, distance)
+        else:
+            least = loading.resolution * min(solid.relaxation_times)
+            if ramp.target != ramp.begin:
+                least = min(least, case.least_step * duration / abs(ramp.target - ramp.begin))
+            noise = NOISE * max(case.law.work_of_adhesion, ledger.energy)
+            solution, ledgers = adaptive_interval(contact, state, ledger, ramp, least, noise)
+            ledger, passed = ledgers[-1], _passed_in_time(ledgers[1:], ramp, distance)
+            now = TimeState(ramp.at(ledger.position), now.time + ledger.position, ledger.viscous)
+            further = {**losses_of(ledger), "unaccounted_work": ledger.open}
+            account = {"account": np.array(ledger, float)}
+        state = solution.state
         found = interface_state(case, solution, surface)
         yield replace(
             found,
-            further={"time": now.time, "viscous_dissipation": now.dissipated},
-            passed=passed_states(passed, case.law.equilibrium_distance),
-            restart={**found.restart, "moment": np.array(now)},
+            further={"time": now.time, "viscous_dissipation": now.dissipated, **further},
+            passed=passed,
+            restart={**found.restart, "moment": np.array(now), **account},
         )
+
+
+def _passed_in_time(passed: Sequence[EnergyLedger], ramp: Ramp, equilibrium_distance: float) -> np.ndarray:
+    """Return the states of ledgers along a ramp as in a dataset, with the viscous dissipation so far."""
+    rows = []
+    for at in passed:
+        held = (at.pressure, at.separation - equilibrium_distance)
+        rows.append((*(held if at.attached else (ramp.at(at.position), np.inf)), at.energy, at.viscous))
+    return np.array(rows).reshape(-1, 4)

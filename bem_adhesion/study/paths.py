@@ -8,14 +8,13 @@ import numpy as np
 
 from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.contacts.rough_contact import contact_between
-from bem_adhesion.study.adaptive import EnergyLedger, adaptive_step, ledger_of, passed_states
+from bem_adhesion.study.adaptive import NOISE, EnergyLedger, adaptive_step, ledger_of, losses_of, passed_states
 from bem_adhesion.study.interface import adhesion_of, interface_state, solver_options
 from bem_adhesion.study.trigger import Trigger, step_to_trigger, warn_of_trigger
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 
-_NOISE = 1e-6  # unaccounted work of a step that counts as none, over the work of adhesion
 _RIM_TENSION = 0.01  # over the law's peak, below which no warning is given: grids err by as much in the pull-off
 
 
@@ -46,7 +45,7 @@ def path_of_equilibria(
                 ledger = ledger_of(solution, position, case.solid, compliance=compliance)
                 passed.append(ledger)
         else:
-            noise = _NOISE * case.law.work_of_adhesion
+            noise = NOISE * case.law.work_of_adhesion
             assert case.least_step is not None  # only adaptive paths have a ledger
             about = case.least_step, case.solid, noise, compliance, trigger
             solution, (_, *passed) = adaptive_step(contact, state, ledger, value, *about)
@@ -55,10 +54,9 @@ def path_of_equilibria(
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
         found = interface_state(case, solution, surface, stiffness)
         if ledger is not None:
-            losses = {"dissipated_energy": ledger.dissipated, "dissipated_energy_resolution_error": ledger.uncertain}
             found = replace(
                 found,
-                further={**found.further, **losses},
+                further={**found.further, **losses_of(ledger)},
                 passed=passed_states(passed, case.law.equilibrium_distance, compliance),
                 restart={**found.restart, "account": np.array(ledger, float)},
             )

@@ -16,6 +16,8 @@ from contact_study.results.state import PASSED, Variable
 UNACCOUNTED = 0.02  # share of the exchanged work and energy that a smooth step may leave unaccounted for
 _NOISE = 1e-6  # share of a path's largest energy below which a loss is an error of the solver, not a jump
 
+_PRESSURE, _SEPARATION, _ENERGY = range(3)
+
 _WORK = "work of separation of the last retraction per nominal area, from zero pressure on"
 _GAINED = "work of the attraction on the load per nominal area, from separation to the first zero"
 PATH_RESULTS: dict[str, Variable] = {
@@ -38,39 +40,40 @@ _TIMES_AREA = {
 }
 _ERROR = "_resolution_error"
 
-_PRESSURE, _SEPARATION, _ENERGY = range(3)
-
 
 @dataclass(frozen=True)
 class PathSeries:
     """The equilibrium states that a path passes, in order."""
 
     # Mean pressure (Pa), the load where surfaces detached under it; mean separation (m), infinite there; elastic and
-    # interaction energy, with plastic work (J/m²). Without the energy, two columns, points are too far apart to
-    # integrate or the solid dissipates.
+    # interaction energy, with plastic work (J/m²); viscous dissipation so far, if any. Without energies, two columns,
+    # points are too far apart to integrate.
     states: np.ndarray
     ends_apart: bool = False  # whether the path has contact, but not at its end
     points: np.ndarray | None = None  # numbers of the path's own points, between which it goes one way; default all
     begins_apart: bool = False  # whether the path begins without contact
     compliance: float = 0.0  # of a spring in series, per area (m/Pa): the states are those of :func:`beyond_spring`
-    plastic_work: float = 0.0  # at its end (J/m²), part of the energies
+    apart: float = 0.0  # of the energies what is left at full separation (J/m²): plastic, dissipated, or still elastic
 
 
 def beyond_spring(states: np.ndarray, compliance: float) -> np.ndarray:
-    """Pressure, separation and energy (J/m²), shape (..., 3), at the far end of a spring of this compliance (m/Pa)."""
+    """States, shape (..., columns), at the far end of a spring of this compliance (m/Pa)."""
     if not compliance:
         return states
-    pressure = states[..., _PRESSURE]
-    return states + np.stack([0 * pressure, -compliance * pressure, 0.5 * compliance * pressure**2], axis=-1)
+    found, pressure = states.copy(), states[..., _PRESSURE]
+    found[..., _SEPARATION] -= compliance * pressure
+    found[..., _ENERGY] += 0.5 * compliance * pressure**2
+    return found
 
 
 def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Work between states (..., 3) that the energy does not account for, by trapezoids, and exchanged work (J/m²)."""
+    """Work between states (..., 3 or 4) that energies do not account for, by trapezoids, and exchanged work (J/m²)."""
     way = 0.5 * (after[..., 1] - before[..., 1])
     work = -(before[..., 0] + after[..., 0]) * way
-    stored = after[..., 2] - before[..., 2]
+    energies = after[..., _ENERGY:] - before[..., _ENERGY:]
     # Beside balance the work of push and of pull cancel; both are exchanged.
-    return work - stored, (np.abs(before[..., 0]) + np.abs(after[..., 0])) * np.abs(way) + np.abs(stored)
+    exchanged = (np.abs(before[..., 0]) + np.abs(after[..., 0])) * np.abs(way) + np.abs(energies).sum(-1)
+    return work - energies.sum(-1), exchanged
 
 
 def undecided(before: np.ndarray, after: np.ndarray) -> np.ndarray:
@@ -80,9 +83,9 @@ def undecided(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Lowest pressure (Pa) on a branch between two states: that of the parabola that stores the step's energy."""
+    """Lowest pressure (Pa) on a branch between two states: that of the parabola that does the step's work."""
     start, end = before[..., 0], after[..., 0]
-    stored = (after[..., 2] - before[..., 2]) / (after[..., 1] - before[..., 1])
+    stored = (after[..., _ENERGY:] - before[..., _ENERGY:]).sum(-1) / (after[..., 1] - before[..., 1])
     # p = start + (end − start) t + bend t (1 − t), of mean (start + end)/2 + bend/6
     bend = -6 * (stored + 0.5 * (start + end))
     turn = 0.5 * (1 + np.divide(end - start, bend, out=np.ones_like(bend), where=bend != 0))
@@ -108,7 +111,7 @@ def path_results(series: PathSeries, control: str) -> dict[str, float]:
             lost, *jumps = _jumps(approach)  # on the reversed way what is lost is gained
             found |= _work_outwards("work_of_approach", approach[::-1], -lost[::-1], *(each[::-1] for each in jumps))
         if series.ends_apart:
-            found |= _work_outwards("work_of_separation", retraction, *_jumps(retraction), apart=series.plastic_work)
+            found |= _work_outwards("work_of_separation", retraction, *_jumps(retraction), apart=series.apart)
     return found
 
 
@@ -205,12 +208,12 @@ def _jump_in(states: np.ndarray, compliance: float) -> dict[str, float]:
 def _work_outwards(
     name: str, states: np.ndarray, lost: np.ndarray, jumped: np.ndarray, unknown: np.ndarray, *, apart: float = 0.0
 ) -> dict[str, float]:
-    """∫−p ds of a way outwards from p = 0 on: the energy stored by its branches plus the losses of its jumps.
+    """∫−p ds of a way outwards from p = 0 on: the energy stored or lost on its branches plus the losses of its jumps.
 
     The work is the energy of full separation, ``apart`` (J/m²), minus that at p = 0, plus the jumps. A sum of p ds
     would add the errors of the trapezoidal rule along the branches.
     """
-    pressure, separation, energy = states.T
+    pressure, separation, energy = states[:, _PRESSURE], states[:, _SEPARATION], states[:, _ENERGY:].sum(1)
     if pressure.size < 2 or not (pressure < 0).any():
         return {}
     first, begun, across = 0, float(energy[0]), 0.0
@@ -235,14 +238,18 @@ def series_of(steps: Sequence[Mapping[str, Any]], control: str, compliance: floa
     touching = [step["relative_contact_area"] > 0 for step in steps]
     ends_apart = any(touching) and not touching[-1]
     if all("passed_pressure" in step for step in steps):
-        states = np.stack([np.concatenate([step[f"passed_{name}"] for step in steps]) for name in PASSED], axis=-1)
-        last = np.cumsum([len(step[f"passed_{PASSED[0]}"]) for step in steps]) - 1
+        names = [f"passed_{name}" for name in PASSED if f"passed_{name}" in steps[0]]
+        parts = [np.stack([step[name] for name in names], axis=-1) for step in steps]
+        parts = [part[~np.isnan(part[:, _PRESSURE])] for part in parts]  # padded, of an earlier dataset
+        states, last = np.concatenate(parts), np.cumsum([len(part) for part in parts]) - 1
         states = beyond_spring(states, compliance)
-        # A viscoelastic solid takes up work, so a loss is no jump.
+        # In equal steps of time a viscoelastic solid takes up work, so a loss is no jump.
         books = states if all("dissipated_energy" in step for step in steps) else states[:, :_ENERGY]
+        apart = steps[-1].get("plastic_work", 0.0)
+        if "viscous_dissipation" in steps[-1]:  # its elastic part is dissipated later, without work
+            apart += steps[-1]["viscous_dissipation"] + steps[-1]["elastic_energy"]
         # A point that did not converge may have passed none.
-        spent = steps[-1].get("plastic_work", 0.0)
-        return PathSeries(books, ends_apart, np.unique(last[last >= 0]), not touching[0], compliance, spent)
+        return PathSeries(books, ends_apart, np.unique(last[last >= 0]), not touching[0], compliance, apart)
     load = "applied_pressure" if control == "pressure" else "mean_pressure"
     known = [
         (step[load], np.inf if step["detached"] else step["mean_separation"]) for step in steps if step["converged"]

@@ -11,7 +11,8 @@ from contact_study.numerics.distributions import Bins
 Value = float | int | bool | str | np.ndarray
 
 FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent no yes"}
-PASSED = ("pressure", "separation", "energy")  # columns of :attr:`InterfaceState.passed`
+# Columns of :attr:`InterfaceState.passed`, the last one only of adaptive steps in time.
+PASSED = ("pressure", "separation", "energy", "viscous_dissipation")
 
 
 def in_two_lines(solution: Any) -> str:
@@ -76,8 +77,9 @@ class InterfaceState:
     report: SolverReport
     restart: Mapping[str, np.ndarray] = field(default_factory=dict)  # from which the next point of the path starts
     spacing: tuple[float, float] | None = None  # of points along y and x (m)
-    # Mean pressure (Pa), mean separation (m) and energy (J/m²) of each state since the last point, this one last, shape
-    # (n, 3), of a path with steps between its points. Detached surfaces have the load and an infinite separation.
+    # Mean pressure (Pa), mean separation (m), energy (J/m²) and perhaps viscous dissipation so far (J/m²) of each state
+    # since the last point, this one last, shape (n, 3 or 4), of a path with steps between its points. Detached surfaces
+    # have the load and an infinite separation.
     passed: np.ndarray | None = None
     plastic_indentation: np.ndarray | None = None  # so far (m), of a contact with a hardness
     further: Mapping[str, float] = field(default_factory=dict)  # what only its model has, by names in a dataset

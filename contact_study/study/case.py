@@ -133,7 +133,6 @@ class Case:
             {
                 f"loading.machine_stiffness: not known of {kind}; leave it out": self.loading.machine_stiffness
                 is not None,
-                f"loading.adaptive: not known of {kind}; leave it out": self.loading.adaptive,
                 f'solver.path = "overdamped": not known of {kind}; leave it out': self.solver.path == "overdamped",
                 f"output.stiffness: not known of {kind}; leave it out": self.output.stiffness,
                 f"material.hardness: not known of {kind}; leave it out": self.material.hardness is not None,
@@ -235,7 +234,7 @@ class Case:
     @property
     def least_step(self) -> float | None:
         """Least step of an adaptive path, in its unit; None for other paths."""
-        if not (self.loading.adaptive and self.law.attracts):
+        if not (self.loading.adaptive and (self.law.attracts or isinstance(self.solid, Viscoelastic))):
             return None
         largest = max(map(abs, self.loading.path))
         if self.loading.control != "pressure":

@@ -261,9 +261,17 @@ def idle_keys(cases: Sequence[Case]) -> list[str]:
         notes.append(f"{', '.join(without)}: without effect {why}")
     viscoelastic = 'elasticity.kind = "viscoelastic"'
     for said, is_used, belongs in (
-        ("adaptive = true", lambda case: case.law.attracts, "laws that attract"),
+        (
+            "adaptive = true",
+            lambda case: case.law.attracts or isinstance(case.solid, Viscoelastic),
+            f"laws that attract, or {viscoelastic}",
+        ),
         ("resolution", lambda case: case.loading.adaptive, "loading.adaptive = true"),
-        ("time_steps", lambda case: isinstance(case.solid, Viscoelastic), viscoelastic),
+        (
+            "time_steps",
+            lambda case: isinstance(case.solid, Viscoelastic) and not case.loading.adaptive,
+            f"{viscoelastic} without loading.adaptive",
+        ),
     ):
         name = said.partition(" ")[0]
         default = getattr(LoadingSection, name)

@@ -76,6 +76,10 @@ STUDIES = {
     "free approach": free(loading={"path": ["-2 nm", "0.5 nm", "-0.2 nm"], "control": "approach"}),
     "adaptive gap": adaptive("gap", [4e-10, 5e-11, 3e-10]),
     "plastic": plastic(loading={"path": [5e8, 2e9, 1e9, 5e8, 2e9]}, output={"stiffness": True}),
+    "adaptive in time": viscoelastic(
+        loading={"path": [12e-9, 2e-9, 2e-9, 6e-9], "control": "gap", "duration": 0.5, "adaptive": True},
+        interaction={"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 1e-9},
+    ),
     "in time": viscoelastic(loading={"path": [1e7, 4e7, 4e7, 1e7], "duration": 0.5, "time_steps": 3}),
 }
 
@@ -178,7 +182,6 @@ REFUSED = [
     (viscoelastic(loading={"path": [1e7]}), r"missing key loading\.duration"),
     (viscoelastic(loading={"path": [1e7, 2e7], "duration": [1.0]}), r"loading\.duration holds 1 times for 2 points"),
     (viscoelastic(loading={"path": [1e7], "duration": 0.0}), "must be positive"),
-    (viscoelastic(loading={"path": [1e7], "duration": 1.0, "adaptive": True}), r"loading\.adaptive"),
     (viscoelastic(solver={"path": "overdamped"}), r"solver\.path"),
     (viscoelastic(output={"stiffness": True}), r"output\.stiffness"),
     (viscoelastic(material={"youngs_modulus": 1e9, "poissons_ratio": 0.5, "hardness": 1e8}), r"material\.hardness"),

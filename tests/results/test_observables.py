@@ -34,7 +34,7 @@ def state(**changes):
         "restart": {"state": np.arange(3.0)},
         "spacing": (2e-10, 1e-10),
         "further": {"contact_stiffness": 3e18, "dissipated_energy": 0.02},
-        "passed": np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]]),
+        "passed": np.array([[1e8, 3e-10, -0.1, 0.0], [-1e8, np.inf, 0.0, 0.2]]),
         "highest_point": 3e-10,
     }
     return InterfaceState(**{**content, **changes})
@@ -43,8 +43,8 @@ def state(**changes):
 def test_observables_of_a_state_made_by_hand():
     found = observed(state(), BINS)
     pressure_pdf, gap_pdf = found.pop("pressure_pdf"), found.pop("gap_pdf")
-    passed = [list(found.pop(f"passed_{name}")) for name in ("pressure", "separation", "energy")]
-    assert passed == [[1e8, -1e8], [3e-10, np.inf], [-0.1, 0.0]]
+    passed = [list(found.pop(f"passed_{name}")) for name in ("pressure", "separation", "energy", "viscous_dissipation")]
+    assert passed == [[1e8, -1e8], [3e-10, np.inf], [-0.1, 0.0], [0.0, 0.2]]
     assert found.pop("mean_gap") == pytest.approx(26e-10 / 6 - 2e-10, rel=1e-12)
     assert found.pop("mean_pressure") == pytest.approx(2.5e9 / 6, rel=1e-12)
     assert found.pop("total_force") == pytest.approx(2.5e9 * 2e-20, rel=1e-12)  # six points of 2 Å x 1 Å

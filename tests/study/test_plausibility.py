@@ -97,7 +97,8 @@ def test_keys_without_effect_are_said():
         (
             {"loading": {"adaptive": True}, "interaction": {"law": "hard_wall"}},
             {"loading": {"adaptive": True}},
-            "loading.adaptive = true: without effect; it belongs to laws that attract",
+            "loading.adaptive = true: without effect; it belongs to laws that attract, or "
+            'elasticity.kind = "viscoelastic"',
         ),
         (
             {"loading": {"resolution": 0.02}, "sweep": {"loading.adaptive": [True, False]}},
@@ -108,7 +109,8 @@ def test_keys_without_effect_are_said():
         (
             {"loading": {"time_steps": 5}},
             {"loading": {"time_steps": 5, "duration": 1.0}, "elasticity": VISCOELASTIC},
-            'loading.time_steps: without effect; it belongs to elasticity.kind = "viscoelastic"',
+            'loading.time_steps: without effect; it belongs to elasticity.kind = "viscoelastic" without '
+            "loading.adaptive",
         ),
     ):
         # Those of the interaction have no effect on the wall either.

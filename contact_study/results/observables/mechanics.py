@@ -26,7 +26,7 @@ def _mechanics(state: InterfaceState, bins: Bins) -> dict[str, Value]:
     if state.highest_point is not None:
         values["displacement"] = state.highest_point - state.mean_separation
     if state.passed is not None:
-        values |= {f"passed_{name}": column for name, column in zip(PASSED, state.passed.T, strict=True)}
+        values |= {f"passed_{name}": column for name, column in zip(PASSED, state.passed.T, strict=False)}
     if state.plastic_indentation is not None:
         values["relative_plastic_area"] = float(np.mean(state.plastic_indentation > 0))
         values["mean_plastic_indentation"] = float(np.mean(state.plastic_indentation))
@@ -57,6 +57,9 @@ MECHANICS = Observable(
         ),
         "passed_energy": Variable(
             "J m-2", "elastic and interaction energy and plastic work per nominal area of each state passed", _PASSED
+        ),
+        "passed_viscous_dissipation": Variable(
+            "J m-2", "viscous dissipation so far per nominal area at each state passed", _PASSED
         ),
         "elastic_energy": noted(
             "J m-2",
@@ -96,6 +99,9 @@ FURTHER = Observable(
         "work_of_adhesion_in_contact": Variable("J m-2", "mean local work of adhesion of the points in contact"),
         "plastic_work": Variable("J m-2", "plastic work so far per nominal area"),
         "viscous_dissipation": Variable("J m-2", "energy dissipated by the viscoelastic solid so far per nominal area"),
+        "unaccounted_work": Variable(
+            "J m-2", "work of the load minus energy and dissipation so far (adaptive, viscoelastic)"
+        ),
         "temperature": noted(
             "K",
             "kinetic temperature of the nodes, driven plane: in its frame",
