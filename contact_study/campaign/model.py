@@ -70,7 +70,7 @@ _ALL = (
         "equilibrium at zero or another temperature on a rigid rough layer of Lennard-Jones sites",
         references=_YANG,
         takes_predictor=True,
-        ignores=("theory",),
+        ignores=("adhesion_map", "theory"),
         keeps=("fields", "leakage", "atoms"),
     ),
     Model(

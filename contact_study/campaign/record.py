@@ -70,9 +70,8 @@ class Run:
         """Return every key that decides the numbers of a case, with its value in SI."""
         sections = [section for section in SECTIONS if section not in (*WHOLE_STUDY, *self.model.ignores)]
         values = {dotted: value for dotted, value in key_values(case, sections) if dotted not in _NOT_DECIDING}
-        for dotted, path in case.geometry.map_keys.items():
-            values[dotted] = f"a file of SHA-256 {self.height_maps[path]}"
-        return values
+        files = {dotted: path for dotted, path in case.map_keys.items() if dotted in values}
+        return values | {dotted: f"a file of SHA-256 {self.height_maps[path]}" for dotted, path in files.items()}
 
     @cached_property
     def case_texts(self) -> list[str]:

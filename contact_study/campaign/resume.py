@@ -202,7 +202,7 @@ def _different(
 ) -> InputError:
     """Name the difference between an earlier case and the most similar case of this run."""
     differing = min((differences(values, other) for other in others), key=len)
-    maps = case.geometry.map_keys
+    maps = case.map_keys
     if differing and differing.keys() <= maps.keys():
         dotted = next(iter(differing))
         one, two = (str(value).rpartition(" ")[2][:12] for value in differing[dotted])

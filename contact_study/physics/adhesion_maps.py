@@ -1,8 +1,12 @@
 """Maps of the work of adhesion: factors of a law from point to point, of mean one, on any grid."""
 
+from pathlib import Path
+
 import numpy as np
 
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.grid import Grid
+from contact_study.physics.height_maps.height_map import Channel, read_values
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
 from contact_study.physics.surfaces.surface import gaussian_surface
 
@@ -26,6 +30,20 @@ def log_normal(grid: Grid, spectrum: SelfAffineSpectrum, rms: float, seed: int) 
     """Draw positive random factors of a relative deviation ``rms`` whose logarithm has a self-affine spectrum."""
     field = gaussian_surface(spectrum, grid.size, grid.shape, seed, exact_height=True).heights(grid.shape)
     return of_mean_one(np.exp(np.sqrt(np.log1p(rms**2)) * field))
+
+
+def from_file(grid: Grid, path: Path, channel: Channel, section: str) -> np.ndarray:
+    """Read the values of a file, of the grid's shape or of a coarser one whose cells hold whole points of the grid."""
+    values = read_values(path, channel, section)
+    rows, columns = (points // own for points, own in zip(grid.shape, values.shape, strict=True))
+    if (rows * values.shape[0], columns * values.shape[1]) != grid.shape:
+        raise InputError(
+            f"{section}.path: {path} holds {values.shape[0]} x {values.shape[1]} values, the grid has "
+            f"{grid.shape[0]} x {grid.shape[1]} points; give surface.shape = {list(values.shape)}, or a multiple"
+        )
+    if not np.isfinite(values).all() or values.min() < 0 or not values.any():
+        raise InputError(f"{section}.path: {path} holds missing, negative or only zero values; fill or shift them")
+    return of_mean_one(np.kron(values, np.ones((rows, columns))))
 
 
 def of_mean_one(factors: np.ndarray) -> np.ndarray:

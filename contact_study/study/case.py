@@ -19,7 +19,7 @@ from contact_study.physics.laws.lennard_jones import work_of_adhesion
 from contact_study.physics.solids import Elasticity, Viscoelastic
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.study.schema import sections
-from contact_study.study.schema.adhesion_map import UniformAdhesion
+from contact_study.study.schema.adhesion_map import AdhesionMapSection
 from contact_study.study.schema.bodies import composed
 from contact_study.study.schema.elasticity import ElasticitySection
 from contact_study.study.schema.form import FormSection
@@ -43,7 +43,7 @@ class Case:
     material: sections.MaterialSection
     elasticity: ElasticitySection
     interaction: InteractionSection
-    adhesion_map: UniformAdhesion
+    adhesion_map: AdhesionMapSection
     loading: sections.LoadingSection
     solver: sections.SolverSection
     atomistic: sections.AtomisticSection
@@ -215,9 +215,15 @@ class Case:
         return law.contact_distance if given is None or law.bare_wall else given
 
     @property
+    def map_keys(self) -> dict[str, str]:
+        """Files of heights and of the work of adhesion as the study writes them, by their keys."""
+        adhesion = self.adhesion_map.map_path
+        return self.geometry.map_keys | ({} if adhesion is None else {"adhesion_map.path": adhesion})
+
+    @property
     def height_maps(self) -> dict[str, Path]:
-        """Files of heights, by their paths as the study writes them."""
-        return {path: self.directory / path for path in self.geometry.map_keys.values()}
+        """Files of maps, by their paths as the study writes them."""
+        return {path: self.directory / path for path in self.map_keys.values()}
 
     @property
     def measured_maps(self) -> tuple[tuple[str, SurfaceScales], ...]:
@@ -264,7 +270,8 @@ class Case:
 
     def adhesion_factors(self, grid: Grid) -> np.ndarray | None:
         """Local work of adhesion over its mean on a grid; None if it is uniform, InputError if the law has none."""
-        factors = _adhesion_factors(self.adhesion_map, grid, self.directory)
+        states = tuple(path.stat().st_mtime_ns for path in self.height_maps.values() if path.is_file())
+        factors = _adhesion_factors(self.adhesion_map, grid, self.directory, states)
         if factors is not None and not self.law.has_wall and not factors.min() > 0:
             raise InputError(
                 f'adhesion_map: the work of adhesion vanishes at points; interaction.law = "{self.interaction.law}" '
@@ -290,8 +297,10 @@ class Case:
 
 
 @lru_cache(maxsize=2)
-def _adhesion_factors(given: UniformAdhesion, grid: Grid, directory: Path) -> np.ndarray | None:
-    """Make a map once for checks, solver and results."""
+def _adhesion_factors(
+    given: AdhesionMapSection, grid: Grid, directory: Path, states: tuple[int, ...]
+) -> np.ndarray | None:
+    """Make a map once for checks, solver and results; ``states`` identify the contents of files."""
     factors = given.factors(grid, directory)
     if factors is not None:
         factors.setflags(write=False)

@@ -23,7 +23,7 @@ from contact_study.study.study import Study
 # Sections that define a contact, and their keys that do not: each model has its own grid, a height map counts by its
 # content, and no gap field depends on the lattice or the contact distance.
 _GEOMETRY = ("surface", "form", *ADDED_SECTIONS)
-_CONTACT = (*_GEOMETRY, "material", "elasticity", "interaction")
+_CONTACT = (*_GEOMETRY, "material", "elasticity", "interaction", "adhesion_map")
 _NO_CONTACT = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
 # Keys that the work of adhesion stands for.
 _ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")

@@ -8,7 +8,7 @@ import tempfile
 import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +53,25 @@ def read_height_map(
     lateral_unit: str | None = None,
 ) -> HeightMap:
     """Read a map by the keys of a study, size (y, x) in m and units m by default; InputError if it is none."""
+    raw = _checked(path, channel)
+    heights = np.where(np.isfinite(raw.heights), raw.heights, np.nan)
+    factor = _factor(path, "height_unit", height_unit, raw.height_unit)
+    said = "its file" if raw.height_unit else "surface.height_unit" if height_unit else "default"
+    unit = f"{raw.height_unit or height_unit or 'm'}, {said}"
+    return HeightMap(np.ascontiguousarray(heights * factor), _size(path, raw, size, lateral_unit), unit)
+
+
+def read_values(path: Path, channel: Channel, section: str) -> np.ndarray:
+    """Read a map (y, x) of another quantity from the same formats, in the unit of its file, for keys of a section."""
+    try:
+        return _checked(path, channel).heights
+    except InputError as error:
+        words = str(error).replace("surface.", f"{section}.").replace("maps of heights", "maps")
+        raise type(error)(words.replace("map of heights", "map").replace("heights", "values")) from None
+
+
+def _checked(path: Path, channel: Channel) -> RawMap:
+    """Read a map of real numbers, of which some are finite."""
     require_file(path, "surface.path")
     try:
         raw = _read(path, channel)
@@ -73,11 +92,7 @@ def read_height_map(
     except Exception as error:  # each format raises its own types on a damaged file
         reason = str(error).strip().partition("\n")[0]
         raise InputError(f"surface.path: {path} cannot be read ({reason})") from None
-    heights = np.where(np.isfinite(heights), heights, np.nan)
-    factor = _factor(path, "height_unit", height_unit, raw.height_unit)
-    said = "its file" if raw.height_unit else "surface.height_unit" if height_unit else "default"
-    unit = f"{raw.height_unit or height_unit or 'm'}, {said}"
-    return HeightMap(np.ascontiguousarray(heights * factor), _size(path, raw, size, lateral_unit), unit)
+    return replace(raw, heights=heights)
 
 
 def _factor(path: Path, name: str, given: str | None, own: str | None) -> float:

@@ -14,10 +14,15 @@ from contact_study.study.schema.keys import FACTOR, SHARE, TEXT, integer, key, p
 
 
 @dataclass(frozen=True, kw_only=True)
-class UniformAdhesion:
-    """One work of adhesion everywhere."""
+class AdhesionMapSection:
+    """Work of adhesion along the surface: uniform, in patches or stripes, random, or from a file."""
 
     kind: str = key(TEXT, "variation of the work of adhesion about interaction.work_of_adhesion, its mean", "none")
+
+    @property
+    def map_path(self) -> str | None:
+        """File of the map as the study writes it; None for one that needs none."""
+        return None
 
     def factors(self, grid: Grid, directory: Path) -> np.ndarray | None:
         """Return the local work of adhesion over its mean; None if it is uniform, InputError if it cannot be made."""
@@ -25,7 +30,7 @@ class UniformAdhesion:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Patches(UniformAdhesion):
+class Patches(AdhesionMapSection):
     """Rectangular patches or stripes."""
 
     modes: tuple[int, int] = key(pair(integer(0, 2**31 - 1)), "patches along y and x; 0 along one axis makes stripes")
@@ -49,7 +54,7 @@ class Patches(UniformAdhesion):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RandomAdhesion(UniformAdhesion):
+class RandomAdhesion(AdhesionMapSection):
     """A log-normal random map; its modes count waves on the longest side."""
 
     relative_rms: float = key(
@@ -81,4 +86,23 @@ class RandomAdhesion(UniformAdhesion):
         return adhesion_maps.log_normal(grid, spectrum, self.relative_rms, self.seed)
 
 
-ADHESION_MAPS = keys.TaggedUnion("kind", {"none": UniformAdhesion, "patches": Patches, "random": RandomAdhesion})
+@dataclass(frozen=True, kw_only=True)
+class AdhesionFile(AdhesionMapSection):
+    """A map of a file, scaled to the mean."""
+
+    path: str = key(TEXT, "map, relative to the study file: NetCDF, npy, npz or text; its scale does not matter")
+    channel: str | int | None = key(
+        keys.NAME_OR_NUMBER, "name or number, from 0, of the map in a file that holds several", None
+    )
+
+    @property
+    def map_path(self) -> str:
+        return self.path
+
+    def factors(self, grid: Grid, directory: Path) -> np.ndarray:
+        return adhesion_maps.from_file(grid, directory / self.path, self.channel, "adhesion_map")
+
+
+ADHESION_MAPS = keys.TaggedUnion(
+    "kind", {"none": AdhesionMapSection, "patches": Patches, "random": RandomAdhesion, "file": AdhesionFile}
+)
