@@ -22,7 +22,18 @@ from contact_study.physics.laws import (
     TabulatedLaw,
     TractionLaw,
 )
-from contact_study.physics.solids import Elasticity, HalfSpace, Layer, Layered, Measured, Tabulated, Viscoelastic
+from contact_study.physics.solids import (
+    Elasticity,
+    FunctionSolid,
+    HalfSpace,
+    Layer,
+    Layered,
+    Measured,
+    Plate,
+    Sheet,
+    Tabulated,
+    Viscoelastic,
+)
 
 __all__ = [
     "Contact",
@@ -31,6 +42,7 @@ __all__ = [
     "Elasticity",
     "Exponential",
     "ExponentialCore",
+    "FunctionSolid",
     "HalfSpace",
     "HardWall",
     "Layer",
@@ -41,7 +53,9 @@ __all__ = [
     "Measured",
     "Morse",
     "Outcome",
+    "Plate",
     "Repulsive",
+    "Sheet",
     "Solution",
     "Tabulated",
     "TabulatedLaw",

@@ -155,8 +155,9 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     table = with_drawn_spectrum(with_spectrum(table, folder), folder)
     for section, declared in SECTIONS.items():  # what a study holds decides its numbers, not a file
         if isinstance(declared, TaggedUnion) and section in table:
-            columns = getattr(declared.section_of(table[section]), "columns", {})
-            table[section] = with_columns(table[section], section, columns, folder)
+            kind = declared.section_of(table[section])
+            table[section] = with_columns(table[section], section, getattr(kind, "columns", {}), folder)
+            table[section] = getattr(kind, "recorded", dict)(table[section])
     swept = table.get("sweep", {})
     places = list(itertools.product(*(range(len(values)) for values in swept.values())))  # the last key runs fastest
     points = [{key: swept[key][i] for key, i in zip(swept, place, strict=True)} for place in places]
@@ -275,7 +276,10 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
                 raise InputError(f"sweep.material.{name}: elasticity is an object of one material")
         kind = next((kind for kind, one in ELASTICITIES.declared.items() if one.makes is type(solid)), None)
         if kind is None:
-            raise InputError(f"elasticity: no keys of a study make a {type(solid).__name__}; use rough_contact")
+            raise InputError(
+                f"elasticity: no keys of a study make a {type(solid).__name__}; name it by elasticity.object, or use "
+                "rough_contact"
+            )
         given, ratio = material.get("poissons_ratio"), getattr(solid, "poissons_ratio", None)
         if given is not None:
             said = POISSONS_RATIO[0](given, "material.poissons_ratio")

@@ -203,7 +203,7 @@ class Layer(Elasticity):
         x = self.thickness * q
         # Both brackets of S times 2 exp(−2x), which no thickness overflows.
         decay = np.exp(-2 * x)
-        above = 2 * (3 - 4 * ratio) * _sinh_less_argument(2 * x) + 8 * (1 - 2 * ratio) * x * decay
+        above = 2 * (3 - 4 * ratio) * sinh_less_argument(2 * x) + 8 * (1 - 2 * ratio) * x * decay
         below = (3 - 4 * ratio) * (1 + decay**2) + 2 * (2 * x**2 + 5 - 12 * ratio + 8 * ratio**2) * decay
         return 0.5 * self.contact_modulus * q * below / above
 
@@ -221,7 +221,7 @@ class Layer(Elasticity):
         return replace(super().scaled(length, stress), thickness=self.thickness / length)
 
 
-def _sinh_less_argument(y: np.ndarray) -> np.ndarray:
+def sinh_less_argument(y: np.ndarray) -> np.ndarray:
     """(sinh y − y) exp(−y) for y >= 0, without cancellation where y is small."""
     square, rest = np.minimum(y, 1.0) ** 2, np.zeros_like(y)
     # y³/3! + y⁵/5! + … + y¹⁷/17!, the rest of which is 1e-16 of it at y = 1.

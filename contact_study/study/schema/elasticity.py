@@ -1,15 +1,29 @@
 """The section ``[elasticity]`` of a study file: the keys of each solid, and the solid that they make."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from contact_study.inputs.errors import InputError
-from contact_study.physics.solids import Elasticity, HalfSpace, Layer, Layered, Measured, Viscoelastic
+from contact_study.physics.solids import (
+    Elasticity,
+    FunctionSolid,
+    HalfSpace,
+    Layer,
+    Layered,
+    Measured,
+    Plate,
+    Sheet,
+    Viscoelastic,
+)
 from contact_study.physics.solids.base import indentation_modulus, stiffnesses
+from contact_study.physics.solids.function import named
 from contact_study.study.schema import keys
 from contact_study.study.schema.keys import METRES, PASCALS, PER_METRE, SECONDS, TEXT, key, quantity, sequence
 from contact_study.study.schema.sections import POISSONS_RATIO, MaterialSection
+
+SAME_MODULUS = 1e-6  # relative difference of two contact moduli that are meant to be one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +109,85 @@ class LayeredSection(LayerSection):
     def keys_from(cls, solid: Any, poissons_ratio: float) -> dict[str, Any]:
         modulus, ratio = solid.base_modulus * (1 - solid.base_poissons_ratio**2), solid.base_poissons_ratio
         return {"thickness": solid.thickness, "base_youngs_modulus": modulus, "base_poissons_ratio": ratio}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlateSection(LayerSection):
+    """A layer of the material that nothing supports."""
+
+    words = "a plate of thickness {thickness} with free faces, "
+    makes = Plate
+
+    def solid(self, material: MaterialSection) -> Plate:
+        return Plate(material.contact_modulus, self.thickness)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SheetSection(ElasticitySection):
+    """A sheet of its own constants; those of the material are quoted, and the unit of stresses."""
+
+    words = (
+        "a sheet of bending stiffness {bending_stiffness}, tension {tension} and foundation {foundation}, quoted by "
+    )
+    makes = Sheet
+
+    bending_stiffness: float = key(quantity("J", minimum=0.0), "bending stiffness κ of the sheet")
+    tension: float = key(quantity("N/m", minimum=0.0), "tension σ of the sheet, the same in all directions", 0.0)
+    foundation: float = key(quantity("Pa/m", minimum=0.0), "stiffness k of springs under the sheet", 0.0)
+
+    def solid(self, material: MaterialSection) -> Sheet:
+        try:
+            return Sheet(material.contact_modulus, self.bending_stiffness, self.tension, self.foundation)
+        except ValueError as error:
+            raise InputError(f"elasticity: {error}") from None
+
+    @classmethod
+    def keys_from(cls, solid: Any, poissons_ratio: float) -> dict[str, Any]:
+        return {name: getattr(solid, name) for name in ("bending_stiffness", "tension", "foundation")}
+
+
+def _imported(name: str) -> tuple[Any, str]:
+    try:
+        return named(name)
+    except ValueError as error:
+        raise InputError(f"elasticity.object = {name!r}: {error}") from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PythonSection(ElasticitySection):
+    """A solid that a Python module holds, with the content of that module when the study was read."""
+
+    words = "of stiffness K(q) by {object}, quoted by "
+
+    object: str = key(TEXT, "function K(q) in SI or Elasticity of an importable module, module:name")
+    object_hash: str | None = key(TEXT, "SHA-256 of that module's file, which a study records itself", None)
+
+    @classmethod
+    def recorded(cls, table: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the keys with the hash of the module; InputError if it is another than they hold."""
+        name = table.get("object")
+        if not isinstance(name, str):  # missing, or another mistake that binding names
+            return dict(table)
+        content = _imported(name)[1]
+        if table.get("object_hash", content) != content:
+            raise InputError(
+                f"elasticity.object = {name!r}: its module is another than that of elasticity.object_hash; restore it, "
+                "or leave the hash out and run the study again"
+            )
+        return {**table, "object_hash": content}
+
+    def solid(self, material: MaterialSection) -> Elasticity:
+        found, content = _imported(self.object)
+        if content != self.object_hash:
+            raise InputError("elasticity.object: modules cannot be swept; name objects of one module")
+        if not isinstance(found, Elasticity):
+            return FunctionSolid(material.contact_modulus, found)
+        if abs(found.contact_modulus / material.contact_modulus - 1) > SAME_MODULUS:
+            raise InputError(
+                f"elasticity.object = {self.object!r}: its contact modulus is {found.contact_modulus:.6g} Pa, that of "
+                f"[material] {material.contact_modulus:.6g} Pa; give the same"
+            )
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,8 +286,11 @@ ELASTICITIES = keys.TaggedUnion(
         "half_space": HalfSpaceSection,
         "layer": LayerSection,
         "layered": LayeredSection,
+        "plate": PlateSection,
+        "sheet": SheetSection,
         "transversely_isotropic": TransverselyIsotropicSection,
         "tabulated": MeasuredSection,
+        "python": PythonSection,
         "viscoelastic": ViscoelasticSection,
     },
 )
