@@ -134,6 +134,35 @@ def test_a_form_is_placed_rotated_and_tilted_under_roughness_and_its_scales_are_
     assert realise(case).roughness.rms_height == pytest.approx(rough.rms_height)
 
 
+@pytest.mark.parametrize(
+    ("form", "curvature"),
+    [
+        ({"kind": "sphere", "radius": 4e-7}, 1 / 4e-7),
+        ({"kind": "cylinder", "radius": 4e-7}, 1 / 8e-7),
+        ({"kind": "paraboloid", "radii": [4e-7, 2e-7]}, (1 / 4e-7 + 1 / 2e-7) / 2),
+        ({"kind": "cone", "slope": 0.5, "tip_radius": "40 nm"}, 1 / 4e-8),
+        ({"kind": "punch", "flat_radius": 2e-8, "edge_radius": 1e-7}, 1 / 2e-7),
+    ],
+)
+def test_curvatures_of_forms_are_those_of_their_heights(form, curvature):
+    surface = {"kind": "flat", "size": "100 nm", "shape": [1000, 1000]}
+    (case,) = make_study({"surface": surface, "form": form, **REST}).cases
+    heights, spacing = realise(case).sampled, 1e-10
+    # Mean curvature beside the axis, or beyond the edge of the flat face.
+    row, column = (500, 702) if form["kind"] == "punch" else (500, 500)
+    near = heights[row - 1 : row + 2, column - 1 : column + 2]
+    bend = near[0, 1] + near[2, 1] + near[1, 0] + near[1, 2] - 4 * near[1, 1]
+    assert case.scales.rms_curvature == pytest.approx(curvature, rel=1e-12)
+    assert -bend / spacing**2 / 2 == pytest.approx(curvature, rel=0.02)  # of the punch at a distance of 0.2 nm
+
+
+def test_a_surface_alone_is_moved_and_rotated():
+    for moved, shift in (({"offset": ["6.25 nm", 0]}, (2, 0)), ({"rotation": "180 deg"}, None)):
+        found, own = composite_surface({**ROUGH, **moved}).sampled, composite_surface(ROUGH).sampled
+        expected = np.roll(own, shift, (0, 1)) if shift else np.roll(own[::-1, ::-1], (1, 1), (0, 1))
+        np.testing.assert_allclose(found, expected, atol=1e-22)  # rounding of 1e-9 m
+
+
 def test_random_bodies_are_independent_and_an_ensemble_draws_both():
     many = {"rms_height": "1 nm", "roll_off_mode": 6, "cutoff_mode": 8}
     surface = {**ROUGH, **many}
@@ -146,12 +175,36 @@ def test_random_bodies_are_independent_and_an_ensemble_draws_both():
     # Two surfaces of some hundred waves correlate by 0.1 in the mean; those of equal draws by 1.
     assert np.abs(shares[:9]).max() < 0.5
     scales, alone = cases[0].scales, make_study({"surface": surface, **REST}).cases[0]
+    assert scales.shortest_wave == pytest.approx(1e-7 / 8)
+    assert scales.peak_to_valley == pytest.approx(3 * alone.scales.peak_to_valley)
     assert scales.rms_height == pytest.approx(np.sqrt(3) * 1e-9)
     assert scales.rms_slope == pytest.approx(np.sqrt(3) * alone.scales.rms_slope)
     # Waves in eighths of an octave, of the same height and slope; stress has the slope's weight.
     assert scales.spectrum.rms_slope == pytest.approx(scales.rms_slope, rel=1e-6)
     stress = alone.scales.full_contact_stress(alone.solid)
     assert scales.full_contact_stress(alone.solid) == pytest.approx(np.sqrt(3) * stress, rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore:surface. its shortest wave")
+def test_atoms_start_from_gaps_of_the_same_counterface(tmp_path):
+    study = {
+        "surface": {"kind": "wavy", "size": "16 nm", "shape": [16, 16], "amplitude": "0.2 nm"},
+        "counterface": {"kind": "wavy", "amplitude": "0.2 nm"},
+        "material": {**REST["material"], "lattice_constant": "2 nm"},
+        "interaction": {"law": "lennard_jones_10_4", "work_of_adhesion": 0.02, "length": "0.7 nm"},
+        "loading": {"path": ["0.1 GPa"]},
+        "output": {"fields": True},
+        "sweep": {"counterface.amplitude": ["0.1 nm", "0.3 nm"]},
+    }
+    contact_study.run(study, output=tmp_path / "bem.nc")
+    started = contact_study.run(study, "atomistic", predictor=tmp_path / "bem.nc")
+    fields = started.predictor_field.values.ravel()
+    assert len({*fields}) == 2
+    assert "" not in fields
+    with pytest.raises(InputError, match=r"is of another contact: form\.kind is none there and cone here"):
+        contact_study.run(
+            {**study, "form": {"kind": "cone", "slope": 0.01}}, "atomistic", predictor=tmp_path / "bem.nc"
+        )
 
 
 @pytest.mark.filterwarnings("ignore:surface. its shortest wave")
@@ -223,6 +276,10 @@ COUNTER = {"counter_youngs_modulus": "1 GPa", "counter_poissons_ratio": 0.3}
         ({"counterface": {**WAVY, "shape": [32, 32]}}, r"counterface\.shape: the grid is that of surface\.shape"),
         ({"counterface": {**WAVY, "modes": [0, 0]}}, r"counterface\.modes = \[0, 0\]: make no wave"),
         ({"counterface": {"kind": "sphere", "radius": 1e-6, "offset": [1e-9, 0]}}, r"counterface\.kind: only a sum"),
+        (
+            {"counterface": {"kind": "self_affine", "rms_height": 1e-9, "size": "50 nm", "cutoff_mode": 8}},
+            r"counterface\.cutoff_mode = 8: beyond what .* = \[16, 16\] can carry",
+        ),
         ({"form": {"kind": "sphere", "radius": "60 nm"}}, r"form\.radius: the sphere ends within the cell"),
         ({"form": {"kind": "cone"}}, r'missing key form\.slope: kind = "cone" needs it'),
         ({"form": {"kind": "cone", "slope": -0.1}}, r"form\.slope = -0\.1: must be positive"),

@@ -119,10 +119,10 @@ def _start_case(study: Study, case: Case) -> Case | None:
 
 def _value_of(case: Case, name: str) -> Any:
     """Value of a swept key by its last part; None where the case has no such key."""
-    if name in ("seed", "radius", "rotation") and name in case.coordinates:  # of several sections
-        return case.coordinates[name]
     sections = (getattr(case, section) for section in SECTIONS if section not in WHOLE_STUDY)
-    return next((getattr(section, name) for section in sections if name in keys_of(type(section))), None)
+    found = [getattr(section, name) for section in sections if name in keys_of(type(section))]
+    # Bodies share names of keys.
+    return case.coordinates.get(name, found[0]) if len(found) > 1 else found[0] if found else None
 
 
 def _contact_keys(case: Case) -> dict[str, Any]:
