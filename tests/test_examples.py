@@ -16,6 +16,7 @@ EXAMPLES = sorted((Path(__file__).parent.parent / "examples").rglob("*.py"))
 # Sizes at which an example takes seconds.
 SMALLER = {
     "jkr_sphere": ("points = 60e-9, 288", "points = 60e-9, 64"),
+    "jkr_test": ("[80, 80]", "[48, 48]"),
     "hysteresis_loop": ("320, 25", "64, 8"),
     "ensemble": ("samples = 12", "samples = 2"),
     "atoms_beside_continuum": ("poisson, well, r0 = 64", "poisson, well, r0 = 32"),

@@ -69,7 +69,8 @@ def force_curve(
         _, x, y, _ = curves[0]
         lowest, value = int(np.nanargmin(y)), dataset["pull_off_force"].values.item()
         label = f"pull-off {-value / force.size:.3g} {force.name}"
-        axes.plot(x[lowest] / length.size, value / force.size, "v", color=COLOURS[1], ms=5, zorder=4, label=label)
+        if against != "contact_radius" or np.isclose(y[lowest], value):  # radii are known of points of the path alone
+            axes.plot(x[lowest] / length.size, value / force.size, "v", color=COLOURS[1], ms=5, zorder=4, label=label)
     if turned:
         for label, look in (("approach", "--"), ("retraction", "-")):
             axes.plot([], [], look, color="#404040", lw=1.0, label=label)

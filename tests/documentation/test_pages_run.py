@@ -19,7 +19,7 @@ from tests.documentation.test_pages import PAGES, SHELL, blocks
 
 # Not the sphere and rubber, which are large.
 TUTORIALS = {"quickstart", "tutorial_own_surface", "tutorial_ensemble", "tutorial_theory"}
-HOWTOS = {"howto_bodies", "howto_cluster", "howto_export", "howto_heights", "howto_run"}
+HOWTOS = {"howto_bodies", "howto_cluster", "howto_export", "howto_force_curves", "howto_heights", "howto_run"}
 RUN = [page for page in PAGES if page.stem in {"README", *HOWTOS, *TUTORIALS}]
 # What makes an environment; the tests are in one.
 _ENVIRONMENT = re.compile(r"^(?:pip install|git clone|make) .*\n", re.MULTILINE)
@@ -33,6 +33,11 @@ def prepare(page, folder):
         np.save(folder / "afm.npy", 10 * heights / heights.std())
     if page.stem in ("howto_cluster", "howto_export", "howto_heights", "howto_run"):
         (folder / "study.toml").write_text(example("first"))
+    if page.stem == "howto_force_curves":
+        small = ["--surface.shape", "48, 48", "-o", str(folder / "sphere.nc")]
+        (folder / "sphere.toml").write_text(example("sphere"))
+        assert main(bem_adhesion.study.model.MODEL, [str(folder / "sphere.toml"), *small]) == 0
+        (folder / "jkr_test.csv").write_text("displacement (nm), force (nN), radius (nm)\n0, -1, 2\n1, 1, 3\n")
     arguments = [str(folder / "study.toml"), "--workers", "1", *_SMALL]
     arguments += ["--interaction.well_depth_ratio", "1,8", "--surface.seed", "1,2"]
     if page.stem == "howto_export":
