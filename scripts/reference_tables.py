@@ -164,7 +164,7 @@ def _raised(tree: ast.Module) -> Iterable[str]:
     for node in ast.walk(tree):
         call = node.exc if isinstance(node, ast.Raise) else node
         named = ast.unparse(call.func) if isinstance(call, ast.Call) and call.args else ""
-        if named not in ("InputError", "CampaignError", "ValueError", "MapError") or call is node:
+        if named not in ("InputError", "CampaignError", "ValueError", "MapError", "TableError") or call is node:
             reasons = call.args[0].keys if named == "refuse" and isinstance(call.args[0], ast.Dict) else []
         else:
             reasons = [call.args[0]]
@@ -172,6 +172,8 @@ def _raised(tree: ast.Module) -> Iterable[str]:
             text = re.sub("…(?:…| …)*", "…", _written(reason)).replace("\n", " ").replace("`", "'").strip()
             if named == "MapError":  # a fault of a file, named by the reader of maps
                 text = f"surface.path: {text.format(path='…')}" if "{path}" in text else f"surface.path: … {text}"
+            elif named == "TableError":  # as above, named by the reader of a map or of a force curve
+                text = text.format(path="…") if "{path}" in text else f"… {text}"
             if len(re.findall(r"[a-z]{2,}", text)) > 2:
                 yield text
 
