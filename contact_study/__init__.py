@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from contact_study.campaign.library import run
     from contact_study.inputs.errors import InputError
     from contact_study.physics.force_curves.curve import read_force_curve
+    from contact_study.results.measured_spectrum import measured_spectrum
     from contact_study.results.schema import register_observable
     from contact_study.study.case import realise
     from contact_study.study.schema.bodies import composite_surface
@@ -26,6 +27,7 @@ __all__ = [
     "__version__",
     "composite_surface",
     "make_study",
+    "measured_spectrum",
     "read_force_curve",
     "read_study",
     "realise",
@@ -43,6 +45,7 @@ _MODULES = {
     "composite_surface": "study.schema.bodies",
     "make_study": "study.study",
     "read_force_curve": "physics.force_curves.curve",
+    "measured_spectrum": "results.measured_spectrum",
     "read_study": "study.study",
     "realise": "study.case",
     "register_law": "study.schema.interaction",

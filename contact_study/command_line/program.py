@@ -23,6 +23,7 @@ PROGRAM = "bem-adhesion"
 VERBS = {
     "init": "write an example study, or list the examples",
     "inspect": "describe and draw a height map, or the surface of a study",
+    "spectrum": "combine maps and line scans of one surface into its power spectrum",
     "check": "check a study and estimate its memory and time; run nothing",
     "run": "run a study: boundary elements, atoms or theory",
     "compare": "compare datasets, or report on one: deviations, figures, report",

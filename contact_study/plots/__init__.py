@@ -16,6 +16,7 @@ from contact_study.plots.densities import (
 )
 from contact_study.plots.force_curves import force_curve
 from contact_study.plots.maps import atoms, contact_map, gap_map, height_map, pressure_map, section
+from contact_study.plots.measured_spectra import measured_spectra
 from contact_study.plots.patches import leakage, patch_sizes
 from contact_study.plots.sweep_maps import criteria_map, deviations
 
@@ -35,6 +36,7 @@ __all__ = [
     "hysteresis_loop",
     "leakage",
     "mean_gap",
+    "measured_spectra",
     "patch_sizes",
     "pressure_map",
     "section",

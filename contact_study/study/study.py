@@ -33,7 +33,7 @@ from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH, I
 from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
 from contact_study.study.schema.sections import POISSONS_RATIO
 from contact_study.study.schema.surface import AbsentSurface, SurfaceSection
-from contact_study.study.tables import TABLE, with_columns, with_drawn_spectrum, with_spectrum
+from contact_study.study.tables import TABLE, with_columns, with_drawn_spectra, with_spectrum
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     plugins.load()
     _check_structure(table)
     folder = Path(directory)
-    table = with_drawn_spectrum(with_spectrum(table, folder), folder)
+    table = with_drawn_spectra(with_spectrum(table, folder), folder)
     for section, declared in SECTIONS.items():  # what a study holds decides its numbers, not a file
         if isinstance(declared, TaggedUnion) and section in table:
             kind = declared.section_of(table[section])

@@ -135,10 +135,10 @@ def with_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
     return changed
 
 
-def with_drawn_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
-    """A study with the numbers of the files that ``surface.spectrum_path``, or that of another body, names."""
+def with_drawn_spectra(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
+    """A study with the numbers of the files that ``spectrum_path`` of a surface names."""
     changed = dict(table)
-    for name in _ROUGH:
+    for name in ("surface", "detail", "counterface"):
         section = table.get(name, {})
         if section.get("kind") == "spectrum" and isinstance(section.get(_KEY), str):
             changed[name] = _with_numbers(section, name, directory)

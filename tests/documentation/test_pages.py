@@ -15,6 +15,8 @@ import contact_study
 from contact_study import start
 from contact_study.command_line.verbs.init import example_names
 from contact_study.study.schema.dotted_keys import all_keys, read
+from contact_study.study.schema.keys import bind
+from contact_study.study.schema.measurement import MeasurementSection
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -177,6 +179,8 @@ def test_code_of_the_documentation_can_be_read(page):
         given = [(dotted, value) for dotted, values in table.pop("sweep", {}).items() for value in values]
         for item in table.pop("override", []):
             given += (item.pop("when") | item).items()
+        for measurement in table.pop("measurement", []):
+            bind(MeasurementSection, measurement, "measurement")
         given += [(f"{section}.{name}", value) for section, own in table.items() for name, value in own.items()]
         for dotted, value in given:
             read(dotted, value)

@@ -118,3 +118,11 @@ def test_keys_that_do_not_belong_together(tmp_path, keys, message):
     np.save(tmp_path / "afm.npy", np.random.default_rng(1).standard_normal((128, 128)) * 1e-8)
     with pytest.raises(InputError, match=message):
         surface_of(tmp_path, **keys)
+
+
+def test_the_other_body_may_be_drawn_too(tmp_path):
+    surface_of(tmp_path, **CELL)
+    other = {"kind": "spectrum", "spectrum_path": "psd.csv", "seed": 2}
+    study = make_study({**STUDY, "surface": {"kind": "flat", **CELL}, "counterface": other}, tmp_path)
+    # Independent bodies of one spectrum: each has its expected rms height within the scatter of few long waves.
+    assert realise(study.cases[0]).rms_height == pytest.approx(study.cases[0].scales.rms_height, rel=0.3)

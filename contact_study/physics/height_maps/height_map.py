@@ -53,9 +53,9 @@ def read_height_map(
     lateral_unit: str | None = None,
 ) -> HeightMap:
     """Read a map by the keys of a study, size (y, x) in m and units m by default; InputError if it is none."""
-    raw = _checked(path, channel)
+    raw = read_raw(path, channel, _check_map)
     heights = np.where(np.isfinite(raw.heights), raw.heights, np.nan)
-    factor = _factor(path, "height_unit", height_unit, raw.height_unit)
+    factor = unit_size(path, "height_unit", height_unit, raw.height_unit)
     said = "its file" if raw.height_unit else "surface.height_unit" if height_unit else "default"
     unit = f"{raw.height_unit or height_unit or 'm'}, {said}"
     return HeightMap(np.ascontiguousarray(heights * factor), _size(path, raw, size, lateral_unit), unit)
@@ -64,24 +64,21 @@ def read_height_map(
 def read_values(path: Path, channel: Channel, section: str) -> np.ndarray:
     """Read a map (y, x) of another quantity from the same formats, in the unit of its file, for keys of a section."""
     try:
-        return _checked(path, channel).heights
+        return read_raw(path, channel, _check_map).heights
     except InputError as error:
         words = str(error).replace("surface.", f"{section}.").replace("maps of heights", "maps")
         raise type(error)(words.replace("map of heights", "map").replace("heights", "values")) from None
 
 
-def _checked(path: Path, channel: Channel) -> RawMap:
-    """Read a map of real numbers, of which some are finite."""
+def read_raw(path: Path, channel: Channel, check: Callable[[np.ndarray], None] = lambda heights: None) -> RawMap:
+    """Read a map or line scan of real numbers, of which some are finite; ``check`` raises MapError."""
     require_file(path, "surface.path")
     try:
         raw = _read(path, channel)
         if np.iscomplexobj(raw.heights):
             raise MapError("holds complex numbers; expected heights")
         heights = np.asarray(raw.heights, dtype=float)
-        if heights.ndim == 1 or (heights.ndim == 2 and min(heights.shape) <= 2 and max(heights.shape) >= 4):
-            raise line_scan(max(heights.shape))
-        if heights.ndim != 2 or min(heights.shape) < 4:
-            raise MapError(f"holds an array of shape {heights.shape}; expected at least 4 x 4 heights")
+        check(heights)
         if not np.any(np.isfinite(heights)):
             raise MapError("holds no finite numbers: all of its heights are missing")
     except TableError as error:
@@ -95,7 +92,19 @@ def _checked(path: Path, channel: Channel) -> RawMap:
     return replace(raw, heights=heights)
 
 
-def _factor(path: Path, name: str, given: str | None, own: str | None) -> float:
+def is_line(heights: np.ndarray) -> bool:
+    """Test whether an array is that of a line scan: one row or column, or columns x and height."""
+    return heights.ndim == 1 or (heights.ndim == 2 and min(heights.shape) <= 2 and max(heights.shape) >= 4)
+
+
+def _check_map(heights: np.ndarray) -> None:
+    if is_line(heights):
+        raise line_scan(max(heights.shape))
+    if heights.ndim != 2 or min(heights.shape) < 4:
+        raise MapError(f"holds an array of shape {heights.shape}; expected at least 4 x 4 heights")
+
+
+def unit_size(path: Path, name: str, given: str | None, own: str | None) -> float:
     """Metres in a unit: the file's, or else the study's, which must be the same if both say one."""
     factor = quantity(f"1 {own or given or 'm'}", "m", f"unit of {path}" if own else f"surface.{name}")
     if own and given and abs(quantity(f"1 {given}", "m", f"surface.{name}") / factor - 1) > 1e-9:
@@ -113,7 +122,7 @@ def _size(path: Path, raw: RawMap, given: tuple[float, float] | None, lateral_un
         if lateral_unit is not None:
             raise InputError(f"surface.lateral_unit: {path} has no lateral coordinates; surface.size has its own unit")
         return given
-    factor = _factor(path, "lateral_unit", lateral_unit, raw.lateral_unit)
+    factor = unit_size(path, "lateral_unit", lateral_unit, raw.lateral_unit)
     own = raw.size[0] * factor, raw.size[1] * factor
     if max(own) > WIDEST and raw.lateral_unit is None and lateral_unit is None:
         raise InputError(
@@ -221,7 +230,7 @@ def _gzip(path: Path, channel: Channel) -> RawMap:
 def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
     """Any of the formats of SurfaceTopography, whose arrays are (x, y)."""
     try:
-        with _silent():  # it warns of an MPI that is not there
+        with silent():  # it warns of an MPI that is not there
             from SurfaceTopography.IO import CannotDetectFileFormat, open_topography
     except ImportError:
         raise MapError(
@@ -229,13 +238,13 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
             "'.[instruments]'"
         ) from None
     try:
-        with _silent(), open_topography(str(path)) as reader:
+        with silent(), open_topography(str(path)) as reader:
             # A format without any mark: every file of the right length passes for it.
             if reader.format() == "hgt" and path.suffix.lower() != ".hgt":
                 raise CannotDetectFileFormat
             maps = [one for one in reader.channels if one.dim == 2]
             if not maps and reader.channels:
-                raise line_scan(reader.channels[0].nb_grid_pts[0])
+                return _instrument_line(reader.channels[0])
             # The unit of what is no length is no text with some readers.
             lengths = {one.channel_id for one in maps if one.is_height_channel and isinstance(one.unit, str | None)}
             by_name = {one.channel_id: one for one in reversed(maps)}
@@ -254,8 +263,15 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
     return RawMap(heights, None if sides is None else (float(sides[1]), float(sides[0])), unit, unit)
 
 
+def _instrument_line(channel: Any) -> RawMap:
+    """The line scan of a file that has no map, as columns x and height."""
+    scan = channel.topography(physical_sizes=channel.nb_grid_pts if channel.physical_sizes is None else None)
+    columns = np.stack([np.asarray(values, dtype=float) for values in scan.positions_and_heights()], axis=1)
+    return RawMap(columns, None, scan.unit, scan.unit)
+
+
 @contextmanager
-def _silent() -> Iterator[None]:
+def silent() -> Iterator[None]:
     """Silence remarks of libraries on formats that a file does not have."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)

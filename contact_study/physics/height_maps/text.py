@@ -59,8 +59,8 @@ def _table(path: Path, lines: Sequence[str]) -> RawMap:
     head = "\n".join(line for line in lines[:30] if line.lstrip().startswith("#"))
     rows = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
     named = bool(rows) and not NUMBER.match(rows[0])
-    if named and len(rows) > 1 and NUMBER.match(rows[1]) and numbers_of(rows[1:2]).shape[1] == 3:
-        return _points(lines)
+    if named and len(rows) > 1 and NUMBER.match(rows[1]) and (columns := numbers_of(rows[1:2]).shape[1]) in (2, 3):
+        return _points(lines) if columns == 3 else _profile(lines)
     if rows and rows[0].lstrip()[:1] in (",", ";"):
         raise MapError("begins with an empty cell; leave out names of rows and columns, write nan for a missing height")
     try:
@@ -73,6 +73,8 @@ def _table(path: Path, lines: Sequence[str]) -> RawMap:
     size = _sides(path, head, r"^#\s*(?:{}):\s*(.*)$", (_HEIGHT, _WIDTH))
     if table.shape[1] == 3 and table.shape[0] > 3 and size is None:
         return _points(lines)
+    if table.shape[1] == 2:
+        return _profile(lines)
     unit = re.search(r"^#\s*Value units:\s*(\S+)", head, re.MULTILINE)
     # The comments in which Gwyddion and others export a table, whose first row is the top.
     said = size is not None or unit is not None
@@ -104,6 +106,14 @@ def _points(lines: Sequence[str]) -> RawMap:
         raise MapError(f"has {table.shape[1]} columns; points need three, x, y and height")
     heights, size = gridded(table[:, :3])
     return RawMap(heights, size, units[2], units[0])
+
+
+def _profile(lines: Sequence[str]) -> RawMap:
+    """Columns x and height of a line scan, shape (x, 2); a header ``x (um), h (nm)`` gives the units."""
+    first = next((number for number, line in enumerate(lines) if NUMBER.match(line)), len(lines))
+    bracketed = (re.findall(r"[\[(]\s*([^\[\]()]+?)\s*[\])]", line) for line in lines[:first])
+    lateral, height = next((found for found in bracketed if len(found) == 2), (None, None))
+    return RawMap(numbers_of(lines[first:]), None, height, lateral)
 
 
 def _esri(lines: Sequence[str]) -> RawMap:

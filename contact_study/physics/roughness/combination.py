@@ -72,8 +72,8 @@ def combine_spectra(parts: Sequence[MeasuredSpectrum]) -> CombinedSpectrum:
 
     weight = 1 / variance
     centre, level = mean(x, weight), mean(y, weight)
-    # Measurements have other waves in a band: they are compared at one wavevector, along the common slope.
-    at_centre = y - np.gradient(level, centre)[band] * (x - centre[band])
+    # Measurements have other waves in a band: they are compared at one wavevector, along the common slope, H = −1 to 1.
+    at_centre = y - np.clip(np.gradient(level, centre), -4.0, 0.0)[band] * (x - centre[band])
 
     def misfit(weight: np.ndarray) -> np.ndarray:
         return np.bincount(band, weight * (at_centre - mean(at_centre, weight)[band]) ** 2)
@@ -86,8 +86,6 @@ def combine_spectra(parts: Sequence[MeasuredSpectrum]) -> CombinedSpectrum:
     weight = 1 / (variance + between)
     scatter = np.maximum(misfit(weight) / np.maximum(count - 1, 1), 1.0)
     error = np.sqrt(scatter / np.bincount(band, weight))
-    edges = 10 ** (np.stack([numbers[:-1] + 1, numbers[1:]]) / BANDS_PER_DECADE)
-    gaps = tuple((float(low), float(high)) for low, high in edges.T[np.diff(numbers) > 1])
     return CombinedSpectrum(
         np.exp(mean(x, weight)),
         np.exp(mean(y, weight)),
@@ -95,6 +93,16 @@ def combine_spectra(parts: Sequence[MeasuredSpectrum]) -> CombinedSpectrum:
         error,
         count,
         float(np.sqrt(between)),
-        gaps,
+        uncovered([(table.wavevector[0], table.wavevector[-1]) for table in tables if table.wavevector.size]),
         tuple(parts),
     )
+
+
+def uncovered(ranges: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Find the gaps, wider than a band, that ranges of wavevectors leave between them (1/m)."""
+    gaps, reached = [], min(low for low, _ in ranges)
+    for low, high in sorted(ranges):
+        if low > reached * 10 ** (1 / BANDS_PER_DECADE):
+            gaps.append((float(reached), float(low)))
+        reached = max(reached, high)
+    return tuple(gaps)

@@ -17,8 +17,8 @@ BANDS_PER_DECADE = 10
 LONGEST, SAMPLED = 3, 4
 # Share of a tip's curvature up to which peaks are the surface's: Sanner et al. (2022), from synthetic scans.
 _BLUNT = 0.5
-# Waves per independent one next to each other under a Hann window: their powers correlate by 4/9 and 1/36.
-_HANN = 1 + 2 * (4 / 9 + 1 / 36)
+# Correlation of the powers of waves one and two apart under a Hann window.
+_HANN = 4 / 9, 1 / 36
 # In the order of the flags of a dataset.
 REASONS = (
     "reliable",
@@ -121,11 +121,10 @@ def spectrum_of_measurement(measurement: Measurement, rule: str = "abel") -> Mea
     q, density, waves = _waves(measurement)
     shortest, limit = _shortest(measurement)
     reason = np.where(q > 2 * np.pi / shortest * (1 + 1e-9), limit, 0)
+    side = min(n * step for n, step in zip(measurement.heights.shape, measurement.spacing, strict=True))
     if not measurement.periodic:
-        side = min(n * step for n, step in zip(measurement.heights.shape, measurement.spacing, strict=True))
         reason[q < LONGEST * 2 * np.pi / side * (1 - 1e-9)] = 1
-    correlated = 1.0 if measurement.periodic else _HANN**measurement.heights.ndim
-    bands = _banded(q, density, waves, reason, correlated)
+    bands = _banded(q, density, waves, reason, None if measurement.periodic else side, measurement.heights.ndim)
     if measurement.heights.ndim == 1:
         bands = _isotropic(bands, rule)
     return MeasuredSpectrum(measurement, bands, shortest, REASONS[limit])
@@ -213,13 +212,23 @@ def _waves(measurement: Measurement) -> tuple[np.ndarray, np.ndarray, np.ndarray
     return q[there], density[there], waves[there]
 
 
-def _banded(q: np.ndarray, density: np.ndarray, waves: np.ndarray, reason: np.ndarray, correlated: float) -> Bands:
-    """Average waves over bands, those that are reliable by themselves; C is the geometric mean of its estimate."""
+def _banded(
+    q: np.ndarray, density: np.ndarray, waves: np.ndarray, reason: np.ndarray, side: float | None, dimensions: int
+) -> Bands:
+    """Average waves over bands, those that are reliable by themselves; ``side`` (m) is that of the window, if any."""
     from scipy.special import digamma, polygamma  # slow to import
 
     _, index = np.unique(np.stack([band_of(q), reason]), axis=1, return_inverse=True)
     index = index.ravel()
     count, sums, logarithms = (np.bincount(index, weights) for weights in (waves, waves * density, waves * np.log(q)))
+    correlated = np.ones(count.size)
+    if side is not None:
+        first, last = np.full(count.size, np.inf), np.zeros(count.size)
+        np.minimum.at(first, index, q)
+        np.maximum.at(last, index, q)
+        width = 1 + (last - first) * side / (2 * np.pi)
+        beside = sum(2 * share * np.maximum(1 - apart / width, 0) for apart, share in enumerate(_HANN, 1))
+        correlated = (1 + beside) * (1 + 2 * sum(_HANN)) ** (dimensions - 1)
     kept = np.zeros(count.size, dtype=int)
     kept[index] = reason
     independent = np.maximum(count / correlated, 1.0)
