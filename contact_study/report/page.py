@@ -120,7 +120,7 @@ def _problem(inputs: Inputs) -> list[str | Both]:
         kinds = [("rms_height", "h_rms", length), ("rms_slope", "rms gradient", partial(number, digits=3)), *kinds]
     radii = sorted({getattr(case.surface, "radius", 0.0) for case in inputs.cases} - {0.0})
     words += [f"sphere of radius {_values(radii, length)}"] if radii else []
-    words += sorted({f"form: {case.form.kind}" for case in inputs.cases if case.form.kind != "none"})
+    words += sorted({case.form.words for case in inputs.cases if case.form.kind != "none"})
     for name, symbol, show in kinds:
         if values := [value for value in overview.constants_of(models, name) if value]:
             words.append(f"{symbol} {_values(values, show)}")

@@ -91,15 +91,17 @@ def test_two_rough_bodies_are_one_with_the_difference_of_heights_and_two_moduli_
     assert both - alone == pytest.approx(1 / stiffnesses[1], rel=1e-12)
 
 
+def rounded(beyond):
+    """Edge of a punch beyond its flat face."""
+    return -np.where(beyond < 3e-8, np.maximum(beyond, 0) ** 2 / 6e-8, beyond - 1.5e-8)
+
+
 FORMS = {
     "sphere": ({"radius": 4e-7}, lambda y, x: np.sqrt(4e-7**2 - y**2 - x**2)),
     "cylinder": ({"radius": 4e-7}, lambda y, x: np.sqrt(4e-7**2 - x**2) + 0 * y),
     "paraboloid": ({"radii": [1e-6, 2e-6]}, lambda y, x: -(y**2) / 2e-6 - x**2 / 4e-6),
     "cone": ({"slope": 0.1}, lambda y, x: -0.1 * np.hypot(y, x)),
-    "punch": (
-        {"flat_radius": 2e-8, "edge_radius": 1e-7},
-        lambda y, x: -(np.maximum(np.hypot(y, x) - 2e-8, 0) ** 2) / 2e-7,
-    ),
+    "punch": ({"flat_radius": 2e-8, "edge_radius": 3e-8}, lambda y, x: rounded(np.hypot(y, x) - 2e-8)),
     "plane": ({}, lambda y, x: 0 * y * x),
 }
 
@@ -255,10 +257,12 @@ def test_two_maps_are_recorded_checked_and_named(tmp_path, monkeypatch, capsys):
     assert bem_adhesion(["check", "study.toml", *more, "--material.counter_poissons_ratio", "0.3"]) == 0
     said = capsys.readouterr().out
     assert "surface.shape = [16, 16] is coarser than the height map map2.npy" in said
+    more += ["--form.kind", "cone", "--form.slope", "0.01"]
     assert bem_adhesion(["inspect", "study.toml", *more, "--material.counter_poissons_ratio", "0.3"]) == 0
     said = capsys.readouterr().out
-    assert "kind file, counterface file" in said
+    assert "kind file, form cone, counterface file" in said
     assert "E* = 5.49 GPa, combined of two elastic bodies" in said
+    assert "spectrum of the roughness, without the form" in said
     np.save("map2.npy", np.full((16, 16), np.nan))
     assert bem_adhesion(["inspect", "study.toml", "--counterface.path", "map2.npy"]) == 1
     assert "counterface.path: map2.npy holds no finite numbers" in capsys.readouterr().err
@@ -320,3 +324,19 @@ def test_the_study_of_the_documentation_is_one(tmp_path):
     assert len(parts) == 3
     np.testing.assert_allclose(parts[1].sampled[:64], parts[1].sampled[64:128], atol=1e-20)  # four periods
     assert parts[1].sampled.std() > 0.9e-9
+
+
+@pytest.mark.parametrize(
+    ("form", "words"),
+    [
+        ({"kind": "paraboloid", "radii": ["1 um", "2 um"]}, "paraboloid, radii 1 x 2 µm"),
+        (
+            {"kind": "punch", "flat_radius": "20 nm", "edge_radius": "3 nm"},
+            "punch, flat radius 20 nm, edge radius 3 nm",
+        ),
+        ({"kind": "plane", "tilt": ["1 mrad", 0]}, "plane"),
+    ],
+)
+def test_a_report_names_a_form_by_its_lengths(form, words):
+    (case,) = make_study({"surface": ROUGH, "form": form, **REST}).cases
+    assert case.form.words == words

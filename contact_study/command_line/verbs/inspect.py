@@ -93,7 +93,7 @@ def _surface(path: Path, overrides: Mapping[str, Any]) -> "tuple[SurfaceSection,
         beside = {name: getattr(case, name).kind for name in ("form", *ADDED_SECTIONS)}
         more = "".join(f", {name} {kind}" for name, kind in beside.items() if kind != "none")
         lines = [f"{path}: surface of kind {case.surface.kind}{more}{which}"]
-        if beside["form"] != "none":
+        if beside.pop("form") != "none" and (case.surface.rough or {*beside.values()} != {"none"}):
             lines.append("statistics and spectrum of the roughness, without the form")
         if case.material.counter_modulus is not None:
             lines.append(f"E* = {stress(case.solid.contact_modulus)}, combined of two elastic bodies")

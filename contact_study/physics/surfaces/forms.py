@@ -152,13 +152,15 @@ class Cone(Form):
 
 @dataclass(frozen=True)
 class Punch(Form):
-    """h = −(r − a)²/2R beyond a flat face of radius a: a punch with a rounded edge."""
+    """h = −(r − a)²/2R beyond a flat face of radius a, a rounded edge, and from a slope of one on a cone."""
 
     flat_radius: float  # a (m)
     edge_radius: float  # R (m)
 
     def profile(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
-        return -(np.maximum(np.hypot(y, x) - self.flat_radius, 0.0) ** 2) / (2 * self.edge_radius)
+        beyond = np.maximum(np.hypot(y, x) - self.flat_radius, 0.0)
+        edge = np.minimum(beyond, self.edge_radius)
+        return -(edge**2) / (2 * self.edge_radius) - (beyond - edge)
 
     @property
     def apex_curvature(self) -> float:

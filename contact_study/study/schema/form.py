@@ -7,9 +7,21 @@ from typing import TypeAlias
 import numpy as np
 
 from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import length
 from contact_study.physics.surfaces import forms
 from contact_study.physics.surfaces.forms import Form, Placement
-from contact_study.study.schema.keys import ANGLE, FACTOR, METRES, OFFSET, TEXT, TaggedUnion, key, pair, quantity
+from contact_study.study.schema.keys import (
+    ANGLE,
+    FACTOR,
+    METRES,
+    OFFSET,
+    TEXT,
+    TaggedUnion,
+    key,
+    keys_of,
+    pair,
+    quantity,
+)
 
 Pair: TypeAlias = tuple[float, float]
 Points: TypeAlias = tuple[int, int]
@@ -20,6 +32,13 @@ class FormSection:
     """The shape under the roughness of [surface], which ends at the edges of the cell."""
 
     kind: str = key(TEXT, "shape of the rigid body under its roughness", "none")
+
+    @property
+    def words(self) -> str:
+        """Kind and lengths."""
+        found = {name: getattr(self, name) for name, one in keys_of(type(self)).items() if one.kind.startswith("m")}
+        sizes = (f"{name.replace('_', ' ')} {length(*np.atleast_1d(value))}" for name, value in found.items())
+        return ", ".join([self.kind, *sizes])
 
     def made(self, size: Pair, shape: Points) -> Form | None:
         """The form on a cell, None without one; InputError if it ends within."""
