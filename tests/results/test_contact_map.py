@@ -8,7 +8,17 @@ from hypothesis.extra import numpy as arrays
 
 from bem_adhesion import HardWall, rough_contact
 from contact_study.results import observables
-from contact_study.results.observables import AREA, OVERCOUNT, RING_EDGES, RINGS, cluster_map, edge_sides, percolates
+from contact_study.results.observables import (
+    AREA,
+    CLUSTERS,
+    OVERCOUNT,
+    PATCH_EDGES,
+    RING_EDGES,
+    RINGS,
+    cluster_map,
+    edge_sides,
+    percolates,
+)
 from tests.results.test_observables import BINS, state
 
 
@@ -87,6 +97,18 @@ def test_perimeter_and_areas_of_cells_of_any_proportions():
     assert found["contact_perimeter"] == pytest.approx(np.pi / 4 * (2 * 3 * 2.0 + 2 * 2 * 0.5) / (35 * 2.0 * 0.5))
     assert found["corrected_contact_area"] == pytest.approx((6 - OVERCOUNT * 10) / 35)
     assert found["corrected_repulsive_area"] == pytest.approx((1 - OVERCOUNT * 4) / 35, abs=1e-15)
+
+
+def test_sizes_of_patches():
+    """A large patch counts by its area in the mean diameter, and once in the number density."""
+    contact = contact_map("..... ##.#. ##... ..... .....")
+    found = CLUSTERS.read(state(contact=contact, spacing=(2.0, 0.5)), BINS)
+    large, small = (2 * np.sqrt(points * 2.0 * 0.5 / np.pi) for points in (4, 1))
+    assert found["mean_patch_diameter"] == pytest.approx((4 * large + small) / 5)
+    counts = found["patch_size_density"] * np.diff(PATCH_EDGES)
+    octaves = [int(np.floor(np.log2(points / 25))) - 1 for points in (1, 4)]  # from the end
+    assert [counts[octave + 1] for octave in octaves] == [1, 1]
+    assert counts.sum() == 2
 
 
 def test_the_corrected_area_is_hertzs():
