@@ -24,6 +24,7 @@ SMALLER = {
     "edge_gaps": ("1e-6, 2048, (1, 2, 3)", "1e-6, 256, (1, 2)"),
     "rough_probe": ("(0.0, 0.2, 0.4), 144", "(0.4,), 80"),
     "rough_loops": ("(0.6, 1.1, 1.6, 2.1, 2.6), 128", "(0.6, 1.1), 40"),
+    "percolation": ("256, range(1, 33)", "128, range(1, 3)"),
     "hysteresis_mesh": ("(48, 72, 108, 162)", "(24, 32)"),
 }
 SLOW = dict.fromkeys(("cluster", "room_temperature"), pytest.mark.validation)  # 10 s and more
