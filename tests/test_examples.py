@@ -15,6 +15,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse", "ignore:elasti
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").rglob("*.py"))
 # Sizes at which an example takes seconds.
 SMALLER = {
+    "many_measurements": ("points=1024", "points=256"),
     "jkr_sphere": ("points = 60e-9, 288", "points = 60e-9, 64"),
     "jkr_test": ("[80, 80]", "[48, 48]"),
     "hysteresis_loop": ("320, 25", "64, 8"),
