@@ -340,3 +340,23 @@ def test_the_study_of_the_documentation_is_one(tmp_path):
 def test_a_report_names_a_form_by_its_lengths(form, words):
     (case,) = make_study({"surface": ROUGH, "form": form, **REST}).cases
     assert case.form.words == words
+
+
+@pytest.mark.filterwarnings("ignore:grid too coarse")
+def test_a_paraboloid_is_the_sphere_of_the_surface_for_continuum_and_atoms():
+    cell = {"size": "16 nm", "shape": [32, 32]}
+    rest = {
+        **REST,
+        "material": {**REST["material"], "lattice_constant": "1 nm"},
+        "interaction": {"law": "lennard_jones_10_4", "work_of_adhesion": 0.02, "length": "0.4 nm"},
+    }
+    one = {**rest, "surface": {"kind": "sphere", "radius": "40 nm", **cell}}
+    two = {**rest, "surface": {"kind": "flat", **cell}, "form": {"kind": "paraboloid", "radii": "40 nm"}}
+    first, second = (make_study(study).cases[0] for study in (one, two))
+    np.testing.assert_allclose(realise(second).sampled, realise(first).sampled, atol=1e-14 * 16e-9)
+    for name, error in (("rms_height", 1e-4), ("rms_slope", 0.006), ("rms_curvature", 1e-12), ("peak_to_valley", 0.01)):
+        # Of midpoints, 256 to a side: (1/256)² of squares, 1/256 of the depth and of the slope's waves at the edges.
+        assert getattr(second.scales, name) == pytest.approx(getattr(first.scales, name), rel=error)
+    for model in ("continuum", "atomistic"):
+        gaps = [contact_study.run(study, model).mean_gap.values for study in (one, two)]
+        np.testing.assert_allclose(*gaps, rtol=1e-6)  # the residual that the solvers leave, 1e-8
