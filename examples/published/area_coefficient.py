@@ -3,7 +3,7 @@
 
 After N. Prodanov, W. B. Dapp & M. H. Müser, Tribol. Lett. 53, 433 (2014): the contact area of light load is
 κ p/(h' E*), with the rms slope h', and hardly depends on the Hurst exponent H. After V. A. Yastrebov, G. Anciaux &
-J.-F. Molinari (2017), arXiv:1704.05650: it falls with the logarithm of Nayak's parameter α, the breadth of the spectrum.
+J.-F. Molinari (2017), arXiv:1704.05650: it falls with the logarithm of the breadth of the spectrum, Nayak's α.
 Their abstracts give no number.
 """
 
