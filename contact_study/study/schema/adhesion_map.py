@@ -90,7 +90,7 @@ class RandomAdhesion(AdhesionMapSection):
 class AdhesionFile(AdhesionMapSection):
     """A map of a file, scaled to the mean."""
 
-    path: str = key(TEXT, "map, relative to the study file: NetCDF, npy, npz or text; its scale does not matter")
+    path: str = key(TEXT, "map relative to the study file (NetCDF, npy, npz, text), scaled to the mean")
     channel: str | int | None = key(
         keys.NAME_OR_NUMBER, "name or number, from 0, of the map in a file that holds several", None
     )
