@@ -94,7 +94,7 @@ def path_in_time(
     elif restart is not None:
         state, now = restart["state"], TimeState(*restart["moment"].tolist())
         ledger = EnergyLedger(*restart["account"].tolist()) if case.least_step else ledger
-    for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
+    for (target, _), duration in list(zip(case.path, case.durations(origin), strict=True))[start:]:
         ramp = Ramp(now.position, target, duration)
         further: dict[str, float] = {}
         account: dict[str, np.ndarray] = {}

@@ -27,7 +27,7 @@ from contact_study.study.study import Study, make_study
 from contact_study.version import __version__
 
 # Keys of a case that decide no number, or only the numbers of some steps (see contact_study.campaign.resume).
-_NOT_DECIDING = ("loading.path", "loading.unload", "solver.threads")
+_NOT_DECIDING = ("loading.path", "loading.unload", "loading.cycles", "solver.threads")
 
 _NAMED_KEYS = 3  # differing keys that a message names
 

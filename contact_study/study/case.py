@@ -23,6 +23,7 @@ from contact_study.study.schema.adhesion_map import AdhesionMapSection
 from contact_study.study.schema.bodies import composed
 from contact_study.study.schema.elasticity import ElasticitySection
 from contact_study.study.schema.form import FormSection
+from contact_study.study.schema.history import times_between
 from contact_study.study.schema.interaction import InteractionSection
 from contact_study.study.schema.surface import SurfaceSection
 
@@ -120,15 +121,16 @@ class Case:
             )
 
     def _check_time(self) -> None:
-        duration, path, kind = self.loading.duration, self.loading.path, f'elasticity.kind = "{self.elasticity.kind}"'
+        loading, kind = self.loading, f'elasticity.kind = "{self.elasticity.kind}"'
         if not isinstance(self.solid, Viscoelastic):
-            if duration is not None:
-                raise InputError(f'loading.duration: {kind} has no time; it belongs to "viscoelastic"')
+            for name in ("duration", "speed", "period"):
+                if getattr(loading, name) is not None:
+                    raise InputError(f'loading.{name}: {kind} has no time; it belongs to "viscoelastic"')
             return
-        if duration is None:
-            raise InputError(f"missing key loading.duration: {kind} needs times between points")
-        if isinstance(duration, tuple) and len(duration) != len(path):
-            raise InputError(f"loading.duration holds {len(duration)} times for {len(path)} points of loading.path")
+        if loading.duration is None and loading.speed is None:
+            raise InputError(f"missing key loading.duration: {kind} needs times between points, or loading.speed")
+        if loading.history != "points" and loading.period is None:
+            raise InputError(f"missing key loading.period: {kind} needs the time of a cycle")
         refuse(
             {
                 f"loading.machine_stiffness: not known of {kind}; leave it out": self.loading.machine_stiffness
@@ -145,13 +147,9 @@ class Case:
         own = ("surface",) if self.geometry.target_spectrum is None else ("surface", "analytic")
         return self.theory.spectra or own
 
-    @property
-    def durations(self) -> list[float]:
-        """Time to each point of :attr:`path` from the one before it (s), of a viscoelastic solid."""
-        given = self.loading.duration
-        there = list(given) if isinstance(given, tuple) else [given or 0.0] * len(self.loading.path)
-        # The way back takes each interval as long as the way there.
-        return there + there[:0:-1] if self.loading.unload else there
+    def durations(self, origin: float = 0.0) -> list[float]:
+        """Time to each point of :attr:`path` from the one before it, the first from an origin of the load (s)."""
+        return times_between(self.loading, origin)
 
     @property
     def label(self) -> str:

@@ -21,7 +21,9 @@ def follow(study: Study) -> None:
     state, lost = contact.separated(), 0.0
     # Nothing deforms before surfaces are within reach: a path of gaps begins there.
     load = 0.0 if surfaces.control == "pressure" else contact.first_gap - case.law.equilibrium_distance
-    for written, (target, _), duration in zip(solve_path(case, study.surface), case.path, case.durations, strict=True):
+    for written, (target, _), duration in zip(
+        solve_path(case, study.surface), case.path, case.durations(), strict=True
+    ):
         steps = case.loading.time_steps
         step = duration / steps
         for count in range(1, steps + 1):

@@ -8,7 +8,20 @@ from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import is_a, unit_of
 from contact_study.physics.roughness.spectrum import TabulatedSpectrum
 from contact_study.study.schema import keys
-from contact_study.study.schema.keys import FACTOR, FLAG, METRES, PASCALS, SECONDS, SHARE, TEXT, choice, key, quantity
+from contact_study.study.schema.history import HISTORIES, OF_CYCLES, check_history, cycle
+from contact_study.study.schema.keys import (
+    FACTOR,
+    FLAG,
+    METRES,
+    PASCALS,
+    SECONDS,
+    SHARE,
+    TEXT,
+    choice,
+    default_of,
+    key,
+    quantity,
+)
 
 POISSONS_RATIO = quantity("1", minimum=-0.999, maximum=0.5)
 
@@ -89,6 +102,19 @@ class LoadingSection:
         quantity("N", positive=True), "force at which the way in ends, before larger approaches of the path", None
     )
     time_steps: int = key(keys.integer(1, 1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1)
+    speed: float | tuple[float, ...] | None = key(
+        keys.one_or_several((lambda value, name: value, "Pa/s, N/s or m/s")),
+        "change of the load to each point per time, in place of duration; or a list (viscoelastic)",
+        None,
+    )
+    history: str = key(choice(*HISTORIES), "path as given, or cycles about its last point after it", "points")
+    amplitude: float | None = key(
+        (lambda value, name: value, "Pa, N or m"), "amplitude of the cycles of history, upwards first", None
+    )
+    period: float | None = key(SECONDS, "time of a cycle of history (viscoelastic)", None)
+    cycles: int = key(keys.integer(1, 1_000_000), "number of the cycles of history", 1)
+    points_per_cycle: int = key(keys.integer(4, 1_000_000), "points of a cycle; the load is linear between them", 32)
+    given: int = field(init=False, repr=False, compare=False)  # number of the points before the cycles
     has_forces: bool = field(init=False, repr=False, compare=False)  # a path of forces (N), before :meth:`spread`
     # Name, and size in SI, of the unit that the path's first point is written in: to speak to the user in it.
     unit: tuple[str, float] = field(init=False, repr=False, compare=False)
@@ -103,10 +129,30 @@ class LoadingSection:
             raise InputError(f"loading.path: mixes values with a unit and bare numbers; give {bare!r} its unit, too")
         unit = unit_of(str(self.path[0])) if all(with_unit) else si
         self.__dict__.update(path=values, has_forces=si == "N", unit=(unit, read(f"1 {unit}", "loading.path")))
+        positive, rate = quantity(si, positive=True)[0], quantity(f"{si}/s", positive=True)[0]
+        amplitude = None if self.amplitude is None else positive(self.amplitude, "loading.amplitude")
+        speed = self.speed
+        if isinstance(speed, tuple):
+            speed = tuple(rate(value, f"loading.speed[{i}]") for i, value in enumerate(speed))
+        elif speed is not None:
+            speed = rate(speed, "loading.speed")
+        self.__dict__.update(amplitude=amplitude, speed=speed, given=len(values))
+        check_history(self, [default_of(LoadingSection, name) for name in OF_CYCLES])
+        if amplitude is not None:
+            one = cycle(self.history, self.points_per_cycle)
+            self.__dict__["path"] += tuple(values[-1] + amplitude * share for share in one) * self.cycles
 
     def spread(self, area: float) -> "LoadingSection":
         """The same with mean pressures on an area (m²) in place of forces."""
-        found = replace(self, path=tuple(force / area for force in self.path))
+        speed = self.speed
+        if speed is not None:
+            speed = tuple(rate / area for rate in speed) if isinstance(speed, tuple) else speed / area
+        found = replace(
+            self,
+            path=tuple(force / area for force in self.path[: self.given]),
+            amplitude=self.amplitude and self.amplitude / area,
+            speed=speed,
+        )
         name, size = self.unit
         found.__dict__["unit"] = name, size / area
         return found
