@@ -83,7 +83,13 @@ def test_measured_points_are_drawn_in_the_units_of_all(computed, measured):
 
 def test_against_the_contact_radius(computed, measured):
     curve = contact_study.read_force_curve(measured)
-    axes = plots.force_curve(computed, against="contact_radius", measured=[curve], theories=["jkr"])
+    passed = {
+        f"passed_{name}": computed[f"mean_{name}"].expand_dims("passed", -1) for name in ("pressure", "separation")
+    }
+    known = computed.assign(passed)  # radii are known of the points of the path alone
+    axes = plots.force_curve(known, against="contact_radius", measured=[curve], theories=["jkr"])
+    shown = [line.get_xdata() for line in axes.lines[:2]]
+    np.testing.assert_allclose(shown[0], 1e9 * computed.contact_radius)
     assert axes.get_xlabel() == "contact radius $a$ (nm)"
     jkr = line(axes, "JKR")
     a = 1e-9 * jkr.get_xdata()[np.isfinite(jkr.get_ydata())][-1]

@@ -57,6 +57,14 @@ def test_integers_between_commas_are_numbers_under_names_between_commas(tmp_path
     np.testing.assert_allclose(found.total_force, [2e-9, 5e-9], rtol=1e-14)
 
 
+def test_a_unit_below_its_name_and_a_deflection_that_is_positive_in_tension(tmp_path):
+    text = "height (measured)\tdeflection\num\tnm\n-0.5\t-3\n-0.7\t4\n"
+    options = {"spring_constant": "2 N/m", "positive_force": "tension"}
+    found = read_force_curve(written(tmp_path / "curve.txt", text), **options)
+    np.testing.assert_allclose(found.total_force, [6e-9, -8e-9], rtol=1e-14)
+    np.testing.assert_allclose(found.displacement, [0.5e-6 - 3e-9, 0.7e-6 + 4e-9], rtol=1e-14)
+
+
 def test_a_jkr_test_has_force_and_radius_or_area_and_their_uncertainties(tmp_path):
     text = "load (mN), contact radius (um), load error (uN), radius std (nm), temperature (K)\n1,20,5,-300,293\n"
     columns = "force (mN), contact_radius (um), force std (uN), uncertainty of contact radius (nm), -"
@@ -101,6 +109,12 @@ def test_zeros_from_the_baseline_and_the_contact(tmp_path):
     np.testing.assert_allclose(found.displacement, displacement, atol=0.5e-9)
     assert found.branch.values.tolist() == branch.tolist()
     np.testing.assert_allclose(read_force_curve(path, zero_force="baseline").displacement, given.displacement)
+    # A baseline that drifts by 1 % of the largest force until contact is no contact.
+    clean = cycle()[1]
+    table[:, 1] = 1e9 * (clean - 0.01 * np.abs(clean).max() * np.clip(1 + displacement / 60e-9, 0, 1))
+    np.savetxt(path, table, header="displacement (nm)\tforce (nN)\tsegment", delimiter="\t")
+    drifting = read_force_curve(path, zero_displacement="contact")
+    np.testing.assert_allclose(drifting.displacement, displacement, atol=0.5e-9)
 
 
 @pytest.mark.parametrize("kind", ["h5", "tab"])
@@ -119,6 +133,11 @@ def test_files_of_microscopes(tmp_path, kind):
     assert found.branch.values.tolist() == branch.tolist()
     stiffer = read_force_curve(path, spring_constant="1 N/m", zero_force="given")
     np.testing.assert_allclose(stiffer.total_force, 2 * (force + 3e-9), atol=1e-14)
+    one["segment"] = np.zeros(branch.size, np.uint8)  # formats without segments
+    plain = tmp_path / f"plain.{kind}"
+    one.export_data(plain, metadata=["enum", "imaging mode", "spring constant"], fmt={"h5": "hdf5"}.get(kind, kind))
+    turned = read_force_curve(plain).branch.values  # the last point of the way in is that of the way out, too
+    assert (turned.sum(), np.flatnonzero(np.diff(turned)).size) == (branch.sum(), 1)
     with pytest.raises(InputError, match="holds 1 force curves; curve = 1 must be 0 to 0"):
         read_force_curve(path, curve=1)
     with pytest.raises(InputError, match=r"columns: .* names of their own"):

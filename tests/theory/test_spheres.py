@@ -6,6 +6,7 @@ import importlib
 import numpy as np
 import pytest
 
+from contact_study.physics.spheres.maugis import maugis_dugdale_contact
 from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
 from theory import DMT, JKR, Hertz, MaugisDugdale, maugis_of_tabor, tabor_of_maugis
 
@@ -112,6 +113,16 @@ def test_the_attraction_before_contact_continues_that_in_contact(parameter):
     assert after[2] < 2e-3
 
 
+def test_thin_zones_have_series_that_agree_with_the_closed_form():
+    for root in (5e-3, 0.99e-2, 1.01e-2):
+        zone = np.sqrt(1 + root**2) - 1
+        m, angle = 1 + zone, np.arctan(root)
+        quadratic, linear = (root + (m**2 - 2) * angle) / 2, 4 / 3 * (root * angle - m + 1)
+        a = float(maugis_dugdale_contact(1.0, zone)[1])
+        # Rounding of order 1e-16 in differences of order 1e-7; a wrong third term of the series is 1e-9.
+        assert quadratic * a**2 + linear * a == pytest.approx(1.0, rel=2e-10)
+
+
 def test_the_numbers_of_tabor_and_maugis():
     assert maugis_of_tabor(1.0) == pytest.approx(1.1570, abs=5e-5)  # published with four digits
     assert tabor_of_maugis(maugis_of_tabor(0.7)) == pytest.approx(0.7, rel=1e-14)
@@ -129,6 +140,7 @@ def test_the_numbers_of_tabor_and_maugis():
         (lambda: Hertz(RADIUS, np.nan), "contact_modulus"),
         (lambda: DMT(RADIUS, MODULUS, 0.0), "work_of_adhesion"),
         (lambda: JKR(RADIUS, MODULUS, WORK).at_force(-1e-6), "force = -1e-06: the sphere has detached; .*-3.76991e-07"),
+        (lambda: JKR(RADIUS, MODULUS, WORK).at_force(-3.8e-7), "the sphere has detached"),
         (lambda: JKR(RADIUS, MODULUS, WORK).at_displacement(-1e-6), "displacement"),
         (lambda: JKR(RADIUS, MODULUS, WORK).curve(np.inf), "force"),
         (lambda: JKR(RADIUS, MODULUS, WORK).curve(1e-6, points=1), "points"),

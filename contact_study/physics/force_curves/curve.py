@@ -31,6 +31,7 @@ OPTIONS: dict[str, tuple[str, ...] | str] = {
 _BASELINE = 0.2  # of the displacements of the approach, from its start: without contact
 _FEWEST = 10  # points of a baseline
 _NOISE, _IN_A_ROW = 5.0, 3  # deviations of the baseline, and points beyond them, that make a contact
+_DRIFT = 0.02  # of the largest force: a baseline drifts as far
 _LOADING, _UNLOADING = 0, 1
 _LONG_NAMES = {
     "total_force": ("N", "measured force, compression positive"),
@@ -56,7 +57,8 @@ def read_force_curve(path: Path | str, **options: Any) -> "xr.Dataset":
         ``positive_force``: ``"compression"`` or ``"tension"``;
         ``positive_displacement``: of columns displacement and z, ``"approach"`` or ``"retraction"``;
         ``zero_force``: ``"given"``, or ``"baseline"``, the mean before contact (files of microscopes: the default);
-        ``zero_displacement``: ``"given"``, or ``"contact"``, where the force of the approach leaves the baseline.
+        ``zero_displacement``: ``"given"``, or ``"contact"``, where the approach leaves the baseline by
+        five of its deviations and 2 % of its largest force.
 
     Returns
     -------
@@ -214,7 +216,8 @@ def _baseline(force: np.ndarray, displacement: np.ndarray, branch: np.ndarray) -
     if not way_in.size or free.size < _FEWEST:
         raise TableError(f"{{path}} has fewer than {_FEWEST} points of an approach before contact for a baseline")
     rest, noise = float(free.mean()), float(free.std())
-    away = np.abs(force[way_in] - rest) > max(_NOISE * noise, 1e-9 * np.abs(force).max())
+    height = np.abs(force[way_in] - rest)
+    away = height > max(_NOISE * noise, _DRIFT * float(height.max()))
     together = np.flatnonzero(np.convolve(away, np.ones(_IN_A_ROW), mode="valid") == _IN_A_ROW)
     if not together.size:
         raise TableError(
