@@ -304,3 +304,15 @@ def test_containers_of_contact_engineering(files, capsys):
     (files / "other.zip").write_bytes(b"PK")
     with pytest.raises(InputError, match=r"measurement\.path: other\.zip is no container of contact\.engineering"):
         measured_spectrum(["other.zip"])
+
+
+def test_a_bow_is_levelled_where_asked(files):
+    rows = np.genfromtxt("stylus.csv", delimiter=",", skip_header=1)
+    bow = 500 * np.ptp(rows[:, 1]) * (rows[:, 0] / rows[-1, 0] - 0.5) ** 2
+    np.savetxt("bowed.csv", np.stack([rows[:, 0], rows[:, 1] + bow], 1), header="x (um), h (nm)")
+    flat, tilt, curved = (
+        measured_spectrum([name], detrend=degree).power_spectrum[:3].values
+        for name, degree in (("stylus.csv", "curvature"), ("bowed.csv", "tilt"), ("bowed.csv", "curvature"))
+    )
+    np.testing.assert_allclose(curved, flat, rtol=1e-3)  # the numbers of the text have nine digits
+    assert tilt[0] > 2 * flat[0]
