@@ -1,10 +1,4 @@
-"""The periodic elastic solid on a grid, linear maps by Fourier transforms, loads on it, and free boundaries.
-
-The displacement of cells of uniform pressure is their convolution with that of one, C, in closed form (A. E. H. Love,
-Phil. Trans. R. Soc. A 228, 377 (1929)). On a periodic grid of twice the extent, with C by the shorter way around, it is
-the free one inside the surface, exactly (R. W. Hockney, Methods Comput. Phys. 9, 135 (1970)): the inverse of C is the
-stiffness of one more periodic solid, whose undeformed surface is at <displacement> − <p> / K(q=0).
-"""
+"""The periodic elastic solid on a grid, linear maps by Fourier transforms, and loads on it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,7 +11,7 @@ from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import inner_product, kernel
 from contact_study.numerics.memory import Memory, Scratch
-from contact_study.physics.solids import Elasticity, HalfSpace
+from contact_study.physics.solids import Elasticity
 
 Phase = Literal["transform", "spectrum", "extension", "points", "iteration"]
 
@@ -247,34 +241,3 @@ class Load:
 
 
 Window = tuple[slice, ...]  # the rows and columns of a padded grid with a surface
-
-
-@dataclass(frozen=True)
-class FreeHalfSpace(HalfSpace):
-    """A half-space under the first quarter of a padded grid; its K on that grid is the inverse of Love's C."""
-
-    def stiffness_on(self, grid: Grid) -> np.ndarray:
-        stiffness_q = 1 / np.fft.rfft2(self._compliance(grid)).real
-        stiffness_q[0, 0] = 0.0
-        return stiffness_q
-
-    def mean_stiffness_on(self, grid: Grid) -> float:
-        return float(1 / np.sum(self._compliance(grid)))
-
-    def _compliance(self, grid: Grid) -> np.ndarray:
-        """Return the displacement under a unit pressure on the first cell, by the shorter way around (m/Pa)."""
-        (rows, columns), (dy, dx) = grid.shape, grid.spacing
-        quarter = _cell_displacement(np.arange(rows // 2 + 1) * dy, np.arange(columns // 2 + 1) * dx, dy, dx)
-        down, across = (np.minimum(np.arange(n), n - np.arange(n)) for n in (rows, columns))
-        return quarter[np.ix_(down, across)] / (np.pi * self.contact_modulus)
-
-
-def _cell_displacement(y: np.ndarray, x: np.ndarray, dy: float, dx: float) -> np.ndarray:
-    """Return ∫∫ dξ dη / r over a cell of sides dy and dx around the origin, at (y, x) (m)."""
-    below, above = (y - dy / 2)[:, None], (y + dy / 2)[:, None]
-    left, right = (x - dx / 2)[None, :], (x + dx / 2)[None, :]
-
-    def corner(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-        return u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v))
-
-    return corner(above, right) + corner(below, left) - corner(above, left) - corner(below, right)

@@ -11,8 +11,9 @@ import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.contacts.plastic import PlasticContact
+from bem_adhesion.free_half_space import PADDING, FreeHalfSpace
 from bem_adhesion.hard_wall.contact import HardWallContact
-from bem_adhesion.operators import FreeHalfSpace, Trace
+from bem_adhesion.operators import Trace
 from bem_adhesion.solution import Solution
 from contact_study.inputs.units import length
 from contact_study.numerics.arguments import field, grid_of, positive, step_arguments
@@ -122,8 +123,10 @@ def rough_contact(
         largest gap in contact over the rms height (1e-10), adhesion the largest unbalanced stress over E* (1e-8).
     threads : int, optional
         Threads of the transforms.
-    boundary : {"periodic", "free"}, optional
-        Whether surface and solid are periodic, or the surface ends at its last points on a half-space.
+    boundary : {"periodic", "free", "free_x", "free_y"}, optional
+        Whether surface and solid are periodic, or the surface ends at its last points on a half-space, along both axes
+        or along one, with the other periodic. Approaches of the latter count from the surface as far away as ``size``
+        along the free axis.
     hardness : float, optional
         Largest pressure; points that reach it are indented permanently (Pa).
     trace : callable, optional
@@ -229,22 +232,25 @@ def contact_between(
         raise ValueError(
             f"law = {law!r}: must be a law such as LennardJones104(work_of_adhesion, length) or HardWall()"
         )
-    if boundary not in ("periodic", "free"):
-        raise ValueError(f"boundary = {boundary!r}: must be 'periodic' or 'free'")
+    if boundary not in ("periodic", *PADDING):
+        raise ValueError(f"boundary = {boundary!r}: must be 'periodic', 'free', 'free_x' or 'free_y'")
     if "work_of_adhesion" in options:
         options["work_of_adhesion"] = _local_work(options["work_of_adhesion"], heights.shape, law)
     if hardness is not None:
         options["hardness"] = positive("hardness", hardness, "Pa")
         if law.bare_wall:  # of errors: a surface flattened everywhere has no rms height
             options["unit"] = float(heights.std()) or None
-    adhesive: Any = FreeBoundaryContact if boundary == "free" else AdhesiveContact
+    adhesive: Any = AdhesiveContact if boundary == "periodic" else partial(FreeBoundaryContact, boundary=boundary)
     make: Any = HardWallContact if law.bare_wall and boundary == "periodic" else partial(adhesive, law=law)
     make = partial(make, grid=grid, elasticity=elasticity, **options)
     return make(heights) if hardness is None else PlasticContact(heights, make, hardness)
 
 
 class FreeBoundaryContact:
-    """A surface of finite extent, its points centres of cells, on a half-space under a force or at an approach."""
+    """A surface of finite extent along one or both axes, its points centres of cells, on a half-space.
+
+    It is under a force or at an approach.
+    """
 
     def __init__(
         self,
@@ -253,6 +259,7 @@ class FreeBoundaryContact:
         elasticity: Elasticity | float,
         law: TractionLaw,
         machine_compliance: float = 0.0,
+        boundary: str = "free",
         **options: Any,
     ):
         solid = elasticity_of(elasticity)
@@ -263,8 +270,10 @@ class FreeBoundaryContact:
             raise ValueError(f"control = {control!r}: with free boundaries 'pressure' or 'approach'")
         self.height, self.law, self.control = height, law, control
         self._window = slice(grid.shape[0]), slice(grid.shape[1])
-        self._grid = Grid((2 * grid.shape[0], 2 * grid.shape[1]), (2 * grid.size[0], 2 * grid.size[1]))
-        free = FreeHalfSpace(solid.contact_modulus)
+        down, across = PADDING[boundary]
+        shape, size = (down * grid.shape[0], across * grid.shape[1]), (down * grid.size[0], across * grid.size[1])
+        self._grid = Grid(shape, size)
+        free = FreeHalfSpace(solid.contact_modulus, boundary)
         self._mean_stiffness = free.mean_stiffness_on(self._grid)
         self._share = grid.points / self._grid.points
         options["machine_compliance"] = machine_compliance / self._share

@@ -37,8 +37,9 @@ def check(case: Case) -> None:
     case.require_gap()
     if case.solver.path == "overdamped":
         overdamped_path.check(case, "solver.path")
-        if case.elasticity.boundary == "free":
-            raise InputError('elasticity.boundary = "free": solver.path = "overdamped" is for periodic boundaries')
+        if case.elasticity.boundary != "periodic":
+            given = f'elasticity.boundary = "{case.elasticity.boundary}"'
+            raise InputError(f'{given}: solver.path = "overdamped" is for periodic boundaries')
         if case.material.hardness is not None and case.law.attracts:
             raise InputError('material.hardness: solver.path = "overdamped" is elastic; leave one out')
         if case.loading.adaptive:

@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -75,11 +76,14 @@ def path_of_equilibria(
 
 def _warn_of_rim(case: Case, number: int, found: InterfaceState, warned: set[str]) -> None:
     """Warn once a path if, with free boundaries, the rim of the surface is in contact or under tension."""
-    if case.elasticity.boundary != "free":
+    boundary = case.elasticity.boundary
+    if boundary == "periodic":
         return
+    ends: list[tuple[Any, Any]] = []
+    ends += [] if boundary == "free_x" else [([0, -1], slice(None))]
+    ends += [] if boundary == "free_y" else [(slice(1, -1) if boundary == "free" else slice(None), [0, -1])]
     touches, pressure = (
-        np.concatenate([field[[0, -1]].ravel(), field[1:-1, [0, -1]].ravel()])
-        for field in (found.contact, found.pressure)
+        np.concatenate([field[end].ravel() for end in ends]) for field in (found.contact, found.pressure)
     )
     pull = -pressure / case.law.peak_tensile_stress if case.law.attracts else np.zeros(1)
     if touches.any():
@@ -91,6 +95,6 @@ def _warn_of_rim(case: Case, number: int, found: InterfaceState, warned: set[str
     else:
         return
     if kind not in warned:
-        head = f'elasticity.boundary = "free": at {case.point_in_words(number)} {words}'
+        head = f'elasticity.boundary = "{boundary}": at {case.point_in_words(number)} {words}'
         warnings.warn(f"{head} is missing: a larger surface.size has it", stacklevel=3)
     warned |= {kind, "tension"}

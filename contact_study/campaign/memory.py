@@ -125,7 +125,7 @@ def seconds_of(kind: str, steps: "Iterable[tuple[Case, int]]") -> tuple[float, f
         if kind != "theory" and case.output.leakage and case.surface.shape:
             flow = number * case.surface.shape[0] * case.surface.shape[1]
             low, high = low + _LEAKAGE[0] * flow, high + _LEAKAGE[1] * flow
-        points, slow, free = 1.0, False, kind != "theory" and case.elasticity.boundary == "free"
+        points, slow, free = 1.0, False, kind != "theory" and case.elasticity.boundary != "periodic"
         if kind == "theory":
             own_low, own_high = _THEORY
         elif kind == "atomistic":

@@ -97,7 +97,7 @@ def _probed(inputs: Inputs, shown: PanelPoints) -> xr.Dataset | None:
 
     One sample of it; of many points of the sweep the one that is shown.
     """
-    free = inputs.study.cases[0].elasticity.boundary == "free" or inputs.control == "approach"
+    free = inputs.study.cases[0].elasticity.boundary != "periodic" or inputs.control == "approach"
     known = (inputs.models[name] for name in inputs.simulations)
     probed = next((own for own in known if free and np.isfinite(own.get("displacement", np.nan)).any()), None)
     if probed is None:

@@ -64,7 +64,7 @@ class Case:
             raise InputError(
                 f"loading.path: {lowest:g} Pa cannot be carried by {self.law.words}; give positive pressures"
             )
-        free, control = self.elasticity.boundary == "free", self.loading.control
+        free, control = self.elasticity.boundary != "periodic", self.loading.control
         if (hardness := self.material.hardness) is not None:
             given = f"material.hardness = {hardness:g} Pa"
             if control == "pressure" and max(self.loading.path) >= hardness:
@@ -90,7 +90,8 @@ class Case:
                 'with a second body; use "half_space" or "transversely_isotropic"'
             )
         if free and control == "gap":
-            raise InputError('loading.control = "gap": elasticity.boundary = "free" takes "pressure" or "approach"')
+            given = f'elasticity.boundary = "{self.elasticity.boundary}"'
+            raise InputError(f'loading.control = "gap": {given} takes "pressure" or "approach"')
         for name in ("machine_stiffness", "trigger_force"):
             if getattr(self.loading, name) is not None and control != "approach":
                 raise InputError(f'loading.{name}: belongs to loading.control = "approach", not "{control}"')

@@ -37,16 +37,16 @@ class ElasticitySection(ABC):
 
     kind: str = key(TEXT, "what solid the block is", "half_space")
     boundary: str = key(
-        keys.choice("periodic", "free"),
-        "surface and block repeated periodically, or the surface of one cell on a half-space",
+        keys.choice("periodic", "free", "free_x", "free_y"),
+        "axes along which surface and block are not repeated: one cell on a half-space",
         "periodic",
     )
 
     def __post_init__(self) -> None:
-        if self.boundary == "free" and not self.may_be_free:
+        if self.boundary != "periodic" and not self.may_be_free:
             raise InputError(
-                f'elasticity.boundary = "free": known of kind = "half_space" and "transversely_isotropic" only, not of '
-                f'"{self.kind}"; use boundary = "periodic"'
+                f'elasticity.boundary = "{self.boundary}": known of kind = "half_space" and "transversely_isotropic" '
+                f'only, not of "{self.kind}"; use boundary = "periodic"'
             )
 
     @abstractmethod
