@@ -75,7 +75,8 @@ def sphere(points=24):
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize(
-    ("law", "hardness"), [(HardWall(), None), (HardWall(), 0.08), (Exponential(0.002, 0.02), None)]
+    ("law", "hardness"),
+    [(HardWall(), None), (HardWall(), 0.08), (Exponential(0.002, 0.02), None), (Exponential(0.002, 0.02), 0.08)],
 )
 def test_a_spring_takes_its_share_of_the_approach(law, hardness, boundary):
     """Behind it is the state of a rigid machine at the rest, or of the load where no rigid machine reaches."""
