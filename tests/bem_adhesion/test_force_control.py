@@ -11,6 +11,7 @@ import contact_study
 from bem_adhesion import Exponential, HalfSpace, HardWall, rough_contact
 from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LennardJones104
+from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import approach_of, stepped, study_table
 from tests.bem_adhesion.test_studies import FREE, HARD_WALL, run, shortened, viscoelastic
 
@@ -66,6 +67,13 @@ def test_flat_surfaces_on_a_spring_jump_where_their_attraction_outgrows_it():
     np.testing.assert_allclose(found.elastic_energy, 0, atol=1e-15)
     np.testing.assert_allclose(found.approach, found.applied_approach, atol=1e-16)
     np.testing.assert_allclose(found.displacement + found.total_force * compliance / AREA, found.approach)
+
+
+def test_distributions_reach_as_far_as_a_spring_presses():
+    pressed = make_study(flat(1e-3 * AREA * LAW.strongest_softening, ["-3 nm", "1 um"])).bins.pressure_edges[-1]
+    assert pressed >= 1e-6 * 1e-3 * LAW.strongest_softening
+    held = make_study(flat(1e-3 * AREA * LAW.strongest_softening, ["-3 nm", "1 um"], trigger_force=AREA)).bins
+    assert held.pressure_edges[-1] < 0.5 * pressed, "a trigger ends it"
 
 
 def sphere(points=24):
@@ -139,6 +147,7 @@ def test_a_way_in_ends_at_its_trigger(loading, tmp_path):
     np.testing.assert_allclose(moved[[0, 1, 4, 5]], [-9e-9, 0, 0.1e-9, -9e-9], atol=1e-15)
     assert moved[2] == pytest.approx(moved[3], rel=1e-5)
     assert moved[2] < 9e-9
+    assert whole.fft_pairs[3] < 0.5 * whole.fft_pairs[2], "no way leads further in from the trigger"
     # The state is that of its displacement, not one on the way.
     plain = {"loading": {"path": [float(whole.displacement[2])], "control": "approach"}}
     (there,) = run({**PROBE, **plain}).total_force.values
