@@ -17,6 +17,7 @@ EXAMPLES = sorted((Path(__file__).parent.parent / "examples").rglob("*.py"))
 SMALLER = {
     "many_measurements": ("points=1024", "points=256"),
     "jkr_sphere": ("points = 60e-9, 288", "points = 60e-9, 64"),
+    "cantilever": ("[48, 48]", "[24, 24]"),
     "jkr_test": ("[80, 80]", "[48, 48]"),
     "hysteresis_loop": ("320, 25", "64, 8"),
     "ensemble": ("samples = 12", "samples = 2"),

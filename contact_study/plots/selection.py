@@ -79,7 +79,7 @@ def label(coordinate: xr.DataArray, value: object) -> str:
     """One coordinate in words."""
     if isinstance(value, str):
         return value.replace("_", " ")
-    units = coordinate.attrs.get("units", "1").replace(" m-2", "/m²")
+    units = coordinate.attrs.get("units", "1").replace(" m-2", "/m²").replace(" m-1", "/m")
     return f"{str(coordinate.name).replace('_', ' ')} = {value:.6g}{'' if units == '1' else f' {units}'}"
 
 
