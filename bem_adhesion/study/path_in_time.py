@@ -118,7 +118,7 @@ def path_in_time(
         found = interface_state(case, solution, surface)
         yield replace(
             found,
-            further={"time": now.time, "viscous_dissipation": now.dissipated, **further},
+            further={**found.further, "time": now.time, "viscous_dissipation": now.dissipated, **further},
             passed=passed,
             restart={**found.restart, "moment": np.array(now), **account},
         )

@@ -308,6 +308,25 @@ def test_random_maps_are_positive_of_their_mean_and_deviation():
     assert found.process_zone.item() == pytest.approx(zone * 0.69 / work.max(), rel=1e-9)
 
 
+IN_TIME = {
+    "elasticity": {"kind": "viscoelastic", "branch_youngs_moduli": [5e9], "relaxation_times": ["1 s"]},
+    "loading": {"path": [1e8], "duration": 1.0},
+}
+
+
+@pytest.mark.parametrize("way", [IN_TIME, {"solver": {"path": "overdamped"}, "loading": {"path": [1e8]}}])
+def test_slow_paths_have_the_map_too(way):
+    """Contact gathers where the work of adhesion is large."""
+    table = study_table(32, size=200e-10, surface={"rms_height": 4e-10}, **way)
+    table["interaction"]["work_of_adhesion"] = 2.8
+    uniform = contact_study.run(table)
+    assert "work_of_adhesion_in_contact" not in uniform
+    found = contact_study.run({**table, "adhesion_map": {"kind": "patches", "modes": [0, 2], "contrast": 0.5}})
+    assert found.converged.all()
+    assert found.work_of_adhesion_in_contact.item() > 1.05 * 2.8
+    assert found.relative_contact_area.item() != pytest.approx(uniform.relative_contact_area.item(), rel=0.01)
+
+
 def test_maps_of_files_are_scaled_to_the_mean_and_repeated_on_finer_grids(tmp_path):
     values = RNG.random((32, 16)) + 0.5
     np.save(tmp_path / "adhesion.npy", values)
