@@ -91,6 +91,20 @@ def test_energy_traction_and_curvature_belong_together(name, hardness, monkeypat
             np.testing.assert_allclose(traction, strength * the_law.traction(gap), rtol=1e-9, atol=1e-12 * size)
 
 
+def test_a_wall_holds_a_point_up_to_the_hardness_and_pushes_with_no_more():
+    """Pulled off, held, at more than the wall carries, and below it; the law pulls with 2 at the wall, H = 5."""
+    gap, pressing = np.array([[0.0, 0.0, 0.0, -0.3]]), np.array([[-3.0, 4.0, 7.0, 7.0]])
+    energy = LocalEnergy(Exponential(2.0, 1.0), pointwise=LocalLaw.of(Exponential(2.0, 1.0), None, 5.0, gap.shape))
+    right_side, curvature, step = np.empty(gap.shape), np.empty(gap.shape, np.float32), np.ones(gap.shape)
+    found = energy.energy_and_gradient(pressing, gap, Load(np.zeros(gap.shape)), right_side, curvature)
+    np.testing.assert_allclose(right_side, [[1, 0, -2, -2]])
+    assert (found.largest, found.square, found.total) == (2, 9, 3)
+    energy.hold(curvature, step)
+    np.testing.assert_array_equal(step, [[1, 0, 1, 1]])
+    energy.advance(gap, np.array([[-0.1, 0.0, -0.1, 0.4]]), 0.4, out := np.empty(gap.shape))
+    np.testing.assert_allclose(out, [[0, 0, -0.1, 0]])
+
+
 KINDS = {
     "smooth": (law(2.0), {}),
     "smooth, mean gap": (law(2.0), {"control": "gap"}),
