@@ -22,6 +22,7 @@ SMALLER = {
     "hysteresis_loop": ("320, 25", "64, 8"),
     "ensemble": ("samples = 12", "samples = 2"),
     "atoms_beside_continuum": ("poisson, well, r0 = 64", "poisson, well, r0 = 32"),
+    "viscoelastic_pull_off": ("1e-5, 8", "1e-5, 2"),
     "pictures": ("[192, 192]", "[96, 96]"),
     "edge_gaps": ("1e-6, 2048, (1, 2, 3)", "1e-6, 256, (1, 2)"),
     "rough_probe": ("(0.0, 0.2, 0.4), 144", "(0.4,), 80"),
@@ -30,7 +31,7 @@ SMALLER = {
     "percolation": ("256, range(1, 33)", "128, range(1, 3)"),
     "hysteresis_mesh": ("(48, 72, 108, 162)", "(24, 32)"),
 }
-SLOW = dict.fromkeys(("cluster", "room_temperature"), pytest.mark.validation)  # 10 s and more
+SLOW = dict.fromkeys(("cluster", "room_temperature", "viscoelastic_pull_off"), pytest.mark.validation)  # 10 s and more
 SLOW |= {example.stem: pytest.mark.validation for example in EXAMPLES if example.parent.name == "published"}
 
 

@@ -85,3 +85,17 @@ def test_a_slow_loop_loses_viscously_what_the_relaxed_solid_loses_in_jumps():
     # What is lost on the branches between, by the rate of the load: 1 % at ten times the duration.
     assert last(found, "viscous_dissipation") == pytest.approx(last(soft, "dissipated_energy"), rel=0.05)
     assert last(found, "work_of_separation") == pytest.approx(last(soft, "work_of_separation"), rel=0.02)
+
+
+@pytest.mark.validation
+def test_the_work_of_separation_is_largest_at_intermediate_speeds_and_the_force_at_the_fastest():
+    """As M. H. Müser & B. N. J. Persson, EPL 137, 36004 (2022), find for a cylinder (abstract)."""
+    surface, works, forces = {**SPHERE, "shape": [27, 27]}, [], []
+    for speed in (1e-10, 3e-9, 1e-5):
+        given = {"path": [3e-7, 2e-7, 2e-7, 5e-7], "speed": [1e-6, 1e-8, 1e-8, speed], "duration": 30.0}
+        found = run(surface, 10e6, 90e6, length=40e-9, **given)
+        works.append(float(found.work_of_separation))
+        forces.append(-float(found.pull_off_pressure))
+    # 1.5 times that of the slowest and 1.4 times that of the fastest, as on the grid of examples/viscoelastic_pull_off.
+    assert works[1] > 1.3 * max(works[0], works[2])
+    assert forces[0] < 0.8 * forces[1] < 0.8 * forces[2]
