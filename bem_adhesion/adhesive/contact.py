@@ -223,14 +223,16 @@ class AdhesiveContact:
         work = sum(inner_product(pressure[here] - mean, displacement[here]) for here in blocks(gap))
         elastic = 0.5 * work / gap.size + self.elasticity.compression_energy(mean)
         pull = max(0.0, -float(np.min(result.reaction))) if self.law.has_wall else None
-        end = result.residual, result.iterations, pairs, result.outcome, pull
-        indentation = None
+        outcome, indentation = result.outcome, None
         if np.isfinite(self.hardness):
             yielded, gap = gap, self._local.without_yielding(gap)
             indentation = gap - yielded
             interaction -= self.hardness * float(indentation.mean())
             if indentation[self._inside].all():
-                end = *end[:3], Outcome.YIELDED, pull
+                outcome = Outcome.YIELDED
+            beyond = (float(pressure.max()) - self.hardness) / self.elasticity.contact_modulus
+            pull = max(pull or 0.0, beyond)
+        end = result.residual, result.iterations, pairs, outcome, pull
         fields = displacement, displacement, gap, pressure, elastic, interaction
         return Solution(*fields, *end, plastic_indentation=indentation, law=self.law)
 

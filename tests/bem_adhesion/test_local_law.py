@@ -135,6 +135,8 @@ def test_states_satisfy_law_hardness_and_elasticity(kind, hardness):
         assert np.all(found.pressure[touching] >= of_law[touching] - 2e-8 * E_STAR)
         if hardness is not None:
             assert found.pressure.max() <= hardness + 1e-8 * E_STAR
+            assert found.complementarity_residual >= (found.pressure.max() - hardness) / E_STAR
+            assert found.complementarity_residual <= 1e-8
             assert np.all(indentation >= before)
             yields = indentation > before
             np.testing.assert_allclose(found.pressure[yields], hardness, rtol=1e-8)
