@@ -43,7 +43,9 @@ def test_flat_surfaces_jump_in_for_all_of_their_work_and_the_solid_takes_none():
     "loading",
     [
         {"path": LOOP, "duration": [1.0, 9.0, 3.0]},
-        {"path": [4e5, 4e5, -1e5], "duration": [1.0, 9.0, 0.3], "control": "pressure"},
+        pytest.param(
+            {"path": [4e5, 4e5, -1e5], "duration": [1.0, 9.0, 0.3], "control": "pressure"}, marks=pytest.mark.validation
+        ),
     ],
 )
 def test_work_is_stored_dissipated_or_lost_in_jumps(loading):
