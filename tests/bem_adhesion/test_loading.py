@@ -144,6 +144,17 @@ def test_a_prediction_stays_behind_its_load(target, monkeypatch):
     assert min(1e9, target) < loads[0].pressure * E_STAR < max(1e9, target)
 
 
+@pytest.mark.parametrize("change", [-0.1, 0.1])
+def test_a_prediction_stays_behind_its_gap(change, monkeypatch):
+    contact, loads = contact_of(law(), 96, size=800e-10, control="gap"), []
+    start, coarser = contact.step(contact.separated(), 3e-10), contact.levels.coarser
+    descend = coarser._descend
+    monkeypatch.setattr(coarser, "_descend", lambda gap, load, *rest: loads.append(load) or descend(gap, load, *rest))
+    contact.step(start, 3e-10 + change * R0)
+    before = float((start.gap[::2, ::2] / R0).mean())
+    assert 0 < (loads[0].mean_gap - before) / change < 1
+
+
 STICKY = Exponential(0.69, 1.74e-10)
 
 

@@ -9,7 +9,7 @@ from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.adhesive.multigrid import LocalNewton
 from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.operators import periodic
-from contact_study.physics.solids import HalfSpace
+from contact_study.physics.solids import HalfSpace, Layer
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, self_affine, stepped, study_table
@@ -21,15 +21,15 @@ SYSTEMS = [(1.0, 160, 2.6, 3.0), (4.0, 160, 1.3, 2.5), (8.0, 160, 1.0, 2.0)]
 LOADING = [0.1e9, 0.2e9, 0.5e9, 1e9, 2e9, 5e9, 10e9]
 
 
-def contact(ratio, points, spacing, rms_height, seed):
+def contact(ratio, points, spacing, rms_height, seed, solid=E_STAR, control="pressure"):
     size = points * spacing * 1e-10
     table = study_table(points, seed, size, surface={"rms_height": rms_height * 1e-10})
     surface = realise(make_study(table).cases[0])
-    return AdhesiveContact(surface.sampled, surface.grid, E_STAR, law(ratio))
+    return AdhesiveContact(surface.sampled, surface.grid, solid, law(ratio), control)
 
 
-def on_one_grid(ratio, points, spacing, rms_height, seed):
-    alone = contact(ratio, points, spacing, rms_height, seed)
+def on_one_grid(*system, **options):
+    alone = contact(*system, **options)
     assert alone.levels.coarser is not None
     alone.levels.coarser = None
     return alone
@@ -73,6 +73,27 @@ def test_many_grids_and_squares_end_in_the_states_of_one(system, squares):
     else:
         # Prediction is there to save work, the more the better the coarse grid resolves the process zone.
         assert np.median(saved) < {1.0: 0.9, 4.0: 1.0, 8.0: 1.1}[system[0]]
+
+
+@pytest.mark.parametrize("control", ["gap", "approach"])
+def test_predictions_of_displacements_end_in_the_states_of_one_grid(control):
+    system = SYSTEMS[0]
+    _, points, spacing, rms_height = (number if i < 2 else number * 1e-10 for i, number in enumerate(system))
+    solid = HalfSpace(E_STAR) if control == "gap" else Layer(E_STAR, 0.3, 0.25 * points * spacing)
+    saved = []
+    for seed in (1, 2):
+        these, those = (make(*system, seed, solid=solid, control=control) for make in (contact, on_one_grid))
+        state, top = those.separated(), these.height.max() - these.height.mean()
+        for gap in np.array([2.5, 1.5, 0.6, 0.3, 1.0, 2.0, 4.0]) * rms_height:
+            target = gap if control == "gap" else top - gap
+            one, other = these.step(state, target), those.step(state, target)
+            assert one.converged
+            assert other.converged
+            # As above.
+            assert np.abs(one.gap - other.gap).max() < 1e-3 * R0
+            state = other.state
+            saved.append(one.fft_pairs / other.fft_pairs)
+    assert np.median(saved) < 0.9
 
 
 # Seed and loads of steps that end with 0.1 to 0.7 % more contact where a square runs for 60 Newton steps.
