@@ -76,6 +76,8 @@ def draw(
         drawn["loop"] = [composed.loops(found)]
     if (probed := _probed(inputs, shown)) is not None:
         drawn["force"] = [composed.wide(plots.force_curve, probed, 3.2)]
+    if (leaking := _first_of(inputs, shown, "hydraulic_gap_x")) is not None:
+        drawn["leakage"] = [composed.wide(plots.leakage, leaking, 3.2)]
     theory = next((own for own in models.values() if "persson_tosatti_ratio" in own), None)
     if theory is not None and np.isfinite(theory["finest_tabor_number"]).any():
         drawn["criteria"] = [composed.wide(plots.criteria_map, theory, 3.2)]
@@ -93,19 +95,21 @@ def draw(
 
 
 def _probed(inputs: Inputs, shown: PanelPoints) -> xr.Dataset | None:
-    """Return the first simulation with a displacement of a body of finite extent or under a prescribed approach.
-
-    One sample of it; of many points of the sweep the one that is shown.
-    """
+    """Return the first simulation with a displacement of a body of finite extent or under a prescribed approach."""
     free = inputs.study.cases[0].elasticity.boundary != "periodic" or inputs.control == "approach"
+    return _first_of(inputs, shown, "displacement") if free else None
+
+
+def _first_of(inputs: Inputs, shown: PanelPoints, quantity: str) -> xr.Dataset | None:
+    """Return the first simulation with a quantity: one sample; of many points of the sweep the one that is shown."""
     known = (inputs.models[name] for name in inputs.simulations)
-    probed = next((own for own in known if free and np.isfinite(own.get("displacement", np.nan)).any()), None)
-    if probed is None:
+    found = next((own for own in known if np.isfinite(own.get(quantity, np.nan)).any()), None)
+    if found is None:
         return None
-    if inputs.average in probed.dims:
-        probed = probed.isel({inputs.average: 0})
+    if inputs.average in found.dims:
+        found = found.isel({inputs.average: 0})
     many = len(sweep_points(inputs.models)) > len(COLOURS)
-    return probed.sel({key: value for key, value in shown.case.selection.items() if many and key in probed.dims})
+    return found.sel({key: value for key, value in shown.case.selection.items() if many and key in found.dims})
 
 
 def _areas(inputs: Inputs, scatter: Scatter | None, reduced: bool) -> Figure:

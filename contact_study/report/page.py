@@ -26,7 +26,7 @@ _UNITS = {"Pa": "Pa", "J": "J", "J/m^2": "J m-2", "K": "K", "s": "s", "kg": "kg"
 
 # Sections of figures: what each holds, in its order.
 _SECTIONS = {
-    "loading": ("mean_gap", "force"),
+    "loading": ("mean_gap", "force", "leakage"),
     "distributions": ("stress_distribution", "gap_distribution", "interface", "atoms"),
     "regime": ("criteria", "magnification"),
 }

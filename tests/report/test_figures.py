@@ -86,6 +86,25 @@ def test_probes_have_a_force_curve(monkeypatch, tmp_path):
     assert "force" not in drawn(monkeypatch, read(tmp_path, LOOP))[0], "a periodic cell under pressure"
 
 
+def test_a_report_draws_the_leakage_that_a_study_asks_for(monkeypatch, tmp_path):
+    study = {
+        "surface": {"kind": "wavy", "size": "1 um", "shape": [24, 24], "amplitude": "10 nm"},
+        "material": {"youngs_modulus": "1 GPa", "poissons_ratio": 0.3},
+        "interaction": {"law": "hard_wall"},
+        "loading": {"path": ["1 MPa", "5 MPa", "60 MPa"]},
+        "output": {"leakage": True},
+    }
+    found = contact_study.run(study, "continuum", output=tmp_path / "leak.nc")
+    shown, captions = drawn(monkeypatch, read_inputs([tmp_path / "leak.nc"]))
+    check_page("leakage", shown["leakage"])
+    open_ = found.hydraulic_gap_x.values > 0
+    assert list(open_) == [True, True, False]
+    line = shown["leakage"].axes[0].lines[0]
+    np.testing.assert_allclose(line.get_ydata(), found.hydraulic_gap_x.values[open_] / 1e-9)
+    assert "along x and along y" in captions["leakage"]
+    assert "leakage" not in drawn(monkeypatch, read(tmp_path, LOOP))[0]
+
+
 def cell(gap, size=(1e-8, 1e-8)):
     """A state on a cell, in contact below 3.68 Å."""
     y, x = (np.arange(count) * period / count for count, period in zip(gap.shape, size, strict=True))
