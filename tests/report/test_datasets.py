@@ -2,6 +2,7 @@
 
 import dataclasses
 import shutil
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
-from contact_study.report.read.studies import ONE_CONTACT, check_studies
+from contact_study.report.read.studies import ONE_CONTACT, _only_key, check_studies
 from tests.report.synthetic import SINGLE, STUDY, read, study, write, write_all
 
 BOTH = ("continuum", "atomistic")
@@ -135,6 +136,15 @@ def test_joined_seeds_of_one_binning_are_one_study(files, tmp_path):
     assert [case.surface.seed for case in inputs.cases] == [1, 2, 3]
     assert "[sweep]" in inputs.study.toml
     assert ["holds seed = 1, 2, 3" in note for note in inputs.notes] == [True, True]
+    # A detail draws from the surface's seed unless it has its own.
+    rough = '\n[detail]\nkind = "self_affine"\nrms_height = "1 angstrom"\n'
+    for given, words in (("", "surface.seed"), ("seed = 2\n", "may be any of surface.seed, detail.seed")):
+        table = tomllib.loads(SINGLE + rough + given)
+        if given:
+            with pytest.raises(InputError, match=words):
+                _only_key(tmp_path, "seed", table)
+        else:
+            assert _only_key(tmp_path, "seed", table) == words
     message = refused(
         [joined(tmp_path, "continuum", (1, 2), gap_range=lambda seed: [0, 8e-9 + seed * 1e-10]), files[2]]
     )

@@ -18,6 +18,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.report.models import TARGET, is_simulated
 from contact_study.report.read.load_steps import SEED, positions, swept_dims
 from contact_study.study.case import Case, PathPoint, path_points, path_points_of
+from contact_study.study.schema.bodies import ADDED_SECTIONS
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import keys_of, shown
 from contact_study.study.study import Study, make_study
@@ -45,7 +46,7 @@ def carried_study(path: Path, dataset: xr.Dataset, average: str = SEED) -> tuple
         table = tomllib.loads(dataset.attrs["study_toml"])
         dotted = {key.rpartition(".")[2]: key for key in table.get("sweep", {})}
         for name, values in changes.items():
-            table.setdefault("sweep", {})[dotted.get(name) or _only_key(path, name)] = values
+            table.setdefault("sweep", {})[dotted.get(name) or _only_key(path, name, table)] = values
         study = _named(path, lambda: make_study(table, path.parent), "its study is not one this version can read: ")
     _check_bins(path, dataset, study)
     _check_paths(path, dataset, study, average)
@@ -78,12 +79,20 @@ def _changed_sweep(path: Path, dataset: xr.Dataset, study: Study) -> Iterator[tu
             yield name, list(held)
 
 
-def _only_key(path: Path, name: str) -> str:
-    """The one key of a study file of that name that can be swept."""
+def _only_key(path: Path, name: str, table: Mapping[str, Any]) -> str:
+    """The one key of that name that can be swept, of the sections that the study has where several know it."""
     sections = [section for section in SECTIONS if section not in WHOLE_STUDY and name in keys_of(SECTIONS[section])]
-    if len(sections) != 1:
+    if not sections:
         raise InputError(f"{path}: its dimension {name} is no key that a study sweeps")
-    return f"{sections[0]}.{name}"
+    given = [
+        section
+        for section in sections
+        if len(sections) == 1 or section in table and (name in table[section] or section not in ADDED_SECTIONS)
+    ]
+    if len(given) != 1:
+        keys = ", ".join(f"{section}.{name}" for section in given or sections)
+        raise InputError(f"{path}: its dimension {name} may be any of {keys}; sweep the key in one study")
+    return f"{given[0]}.{name}"
 
 
 def _check_bins(path: Path, dataset: xr.Dataset, study: Study) -> None:
