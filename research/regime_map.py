@@ -15,7 +15,8 @@ from importlib.resources import files
 import numpy as np
 from matplotlib.figure import Figure
 
-from contact_study.physics.process_zone import DMT_LIKE, JKR_LIKE, tabor_parameter
+from contact_study.physics.process_zone import DMT_LIKE, JKR_LIKE
+from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.report.align.regime import roughness
 from contact_study.report.text.wording import coordinate_label, number

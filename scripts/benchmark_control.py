@@ -22,8 +22,8 @@ from bem_adhesion import HalfSpace, LennardJones104, rough_contact
 from bem_adhesion.contacts.rough_contact import contact_between
 from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import adaptive_step, ledger_of
-from contact_study.physics.process_zone import tabor_parameter
 from contact_study.physics.solids import Elasticity, Layer
+from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.study.case import Case, realise
 from scripts.benchmark_adhesive import PRESSURES, one_case
 from scripts.harness import PAPER, Option, program, rough_surface, show, walk

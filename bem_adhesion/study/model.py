@@ -16,8 +16,9 @@ from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import length
 from contact_study.physics import process_zone as zones
-from contact_study.physics.process_zone import SHARE_OF_HEIGHT, longest_range, process_zone, tabor_parameter
+from contact_study.physics.process_zone import SHARE_OF_HEIGHT, longest_range, process_zone
 from contact_study.physics.solids import Viscoelastic
+from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.physics.surfaces.surface import Surface, SurfaceScales
 from contact_study.results import overdamped_path
 from contact_study.results.schema import heights_on

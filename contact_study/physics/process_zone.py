@@ -1,7 +1,4 @@
-"""The process zone at the edge of a contact, grids that do not resolve it, and ranges whose contacts are like JKR's.
-
-The Tabor parameter is μ = (R Δγ² / E*² r₀³)^(1/3); D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
-"""
+"""The process zone at the edge of a contact, grids that do not resolve it, and ranges whose contacts are like JKR's."""
 
 import itertools
 import math
@@ -10,6 +7,7 @@ import numpy as np
 
 from contact_study.inputs.units import length
 from contact_study.physics.laws import TractionLaw
+from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
 
 TOO_COARSE = "grid too coarse"  # first words of a warning
 # Points per process zone E*Δγ/σ_max² from which a grid does not trap contact edges.
@@ -66,18 +64,12 @@ def too_coarse(spacing: float, zone: float, where: str = "") -> str:
     )
 
 
-def tabor_parameter(radius: float, contact_modulus: float, work_of_adhesion: float, length: float) -> float:
-    """μ of a law of range ``length`` (m) on an asperity of a radius of curvature (m)."""
-    return float(np.cbrt(radius * (work_of_adhesion / contact_modulus) ** 2) / length)
-
-
 def sphere_pull_off(radius: float, contact_modulus: float, work_of_adhesion: float, strength: float) -> float:
     """Calculate the pull-off force of a sphere over πRw, from 2 at a long range to 3/2 at a short one.
 
-    Within 2 % of D. Maugis, J. Colloid Interface Sci. 150, 243 (1992), by λ = 2σ₀ (9R/16πwE*²)^(1/3).
+    A fit in Maugis' λ, within 2 % of D. Maugis, J. Colloid Interface Sci. 150, 243 (1992).
     """
-    scale = np.cbrt(9 * radius / (16 * np.pi * work_of_adhesion * contact_modulus**2))
-    x = 4.04 * (2 * strength * scale) ** 1.4
+    x = 4.04 * maugis_parameter(radius, contact_modulus, work_of_adhesion, strength) ** 1.4
     return float(7 / 4 - (x - 1) / (x + 1) / 4)
 
 
@@ -85,7 +77,8 @@ def longest_range(rms_curvature: float, rms_height: float, contact_modulus: floa
     """Calculate the longest range (m) of JKR-like contacts, to two digits below; ValueError if flat or not soft."""
     if not rms_curvature > 0:
         raise ValueError("a flat surface has no curvature to compare a range with")
-    longest = tabor_parameter(1 / rms_curvature, contact_modulus, work_of_adhesion, JKR_LIKE)
+    # μ is inversely proportional to the range.
+    longest = float(tabor_parameter(1 / rms_curvature, contact_modulus, work_of_adhesion, JKR_LIKE))
     longest = min(longest, SHARE_OF_HEIGHT * rms_height)
     if longest < ATOMIC:
         what = f"a range that leaves its contacts JKR-like, {longest:.2g} m"

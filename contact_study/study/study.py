@@ -21,8 +21,9 @@ from contact_study.inputs.files import refuse_endless
 from contact_study.inputs.units import length
 from contact_study.numerics.distributions import Bins
 from contact_study.physics.laws import LAWS, TractionLaw
-from contact_study.physics.process_zone import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
+from contact_study.physics.process_zone import JKR_LIKE, SHARE_OF_HEIGHT, longest_range
 from contact_study.physics.solids import Elasticity
+from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.study import sweep
 from contact_study.study.case import Case
@@ -243,7 +244,7 @@ def _with_length(
         longest = longest_range(scales.rms_curvature, scales.rms_height, *about)
     except ValueError as error:
         raise InputError(f'{LENGTH} = "{AUTO}": {error}; give the length of the interaction') from None
-    tabor = tabor_parameter(1 / scales.rms_curvature, *about, longest)
+    tabor = float(tabor_parameter(1 / scales.rms_curvature, *about, longest))
     why = (
         f"the longest of a Tabor parameter above {JKR_LIKE:g}"
         if tabor / JKR_LIKE * longest < SHARE_OF_HEIGHT * scales.rms_height

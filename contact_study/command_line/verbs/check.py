@@ -150,7 +150,8 @@ def _meanings() -> dict[str, dict[float, str]]:
 
 def _numbers(case: "Case") -> dict[str, float]:
     """Return what a case has of these numbers; θ as B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001)."""
-    from contact_study.physics.process_zone import process_zone, tabor_parameter
+    from contact_study.physics.process_zone import process_zone
+    from contact_study.physics.spheres.numbers import tabor_parameter
 
     law, solid, scales, found = case.law, case.solid, case.scales, dict[str, float]()
     rough, stress = scales.apex_curvature is None, scales.full_contact_stress(solid)
@@ -160,7 +161,8 @@ def _numbers(case: "Case") -> dict[str, float]:
         found[_THETA] = law.work_of_adhesion / float(scales.spectrum.full_contact_energy(solid.stiffness))
     if law.attracts and scales.rms_curvature > 0:
         reach = law.length if law.has_wall else law.equilibrium_distance
-        found[_TABOR] = tabor_parameter(1 / scales.rms_curvature, solid.contact_modulus, law.work_of_adhesion, reach)
+        about = solid.contact_modulus, law.work_of_adhesion, reach
+        found[_TABOR] = float(tabor_parameter(1 / scales.rms_curvature, *about))
     if case.loading.control == "pressure" and stress > 0 and rough:  # by Persson's theory
         found[_AREA] = 100 * math.erf(max(0.0, *case.loading.path) / (math.sqrt(2) * stress))
     return found

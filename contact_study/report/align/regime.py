@@ -9,8 +9,8 @@ import xarray as xr
 from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
-from contact_study.physics.process_zone import tabor_parameter
 from contact_study.physics.solids import Elasticity
+from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.report.align.cases import SweepPoint, constant, first_constant, select, sweep_points
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
@@ -105,7 +105,7 @@ def _regime(inputs: Inputs, point: SweepPoint) -> dict[str, float]:
         else first_constant(models, point, "equilibrium_distance")
     )
     return numbers | {
-        "tabor_parameter": tabor_parameter(radius, modulus, work, reach) if reach > 0 else np.nan,
+        "tabor_parameter": float(tabor_parameter(radius, modulus, work, reach)) if reach > 0 else np.nan,
         "adhesion_over_elastic_energy": work * surface.area_factor / energy,
         "full_contact_stress_over_peak": modulus * surface.conformal_stress / peak if peak > 0 else np.nan,
         "full_contact_energy": energy,

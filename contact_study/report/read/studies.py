@@ -87,7 +87,7 @@ def _only_key(path: Path, name: str, table: Mapping[str, Any]) -> str:
     given = [
         section
         for section in sections
-        if len(sections) == 1 or section in table and (name in table[section] or section not in ADDED_SECTIONS)
+        if len(sections) == 1 or (section in table and (name in table[section] or section not in ADDED_SECTIONS))
     ]
     if len(given) != 1:
         keys = ", ".join(f"{section}.{name}" for section in given or sections)
