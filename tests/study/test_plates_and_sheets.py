@@ -2,9 +2,11 @@
 
 import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
 from scipy.linalg import expm
 
 import contact_study
@@ -12,6 +14,7 @@ from bem_adhesion import LennardJones104, rough_contact
 from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import FunctionSolid, HalfSpace, Plate, Sheet
 from contact_study.physics.solids.function import named
+from contact_study.start import bem_adhesion
 from contact_study.study.study import make_study
 from tests.study.test_elasticity import isotropic
 
@@ -78,6 +81,10 @@ def bed(q):
     return 1e15 + 0 * q
 plate = Plate(1e9, 1e-7)
 number = 1
+def negative(q):
+    return -q
+def scalar(q):
+    return float(q)
 """
 
 
@@ -137,6 +144,18 @@ def test_what_cannot_be_is_one_line(module, keys, words):
     loading = {"path": ["1 nm"]} | keys.pop("loading") if "loading" in keys else None
     with pytest.raises(InputError, match=re.escape(words)):
         study(loading, **keys)
+
+
+@pytest.mark.parametrize(("name", "fault"), [("negative", "must be positive and finite"), ("scalar", "TypeError")])
+def test_a_function_that_is_no_stiffness_is_one_line_of_the_command(module, tmp_path, monkeypatch, capsys, name, fault):
+    monkeypatch.chdir(tmp_path)
+    kind = {"kind": "python", "object": f"own_solids_of_test:{name}"}
+    Path("study.toml").write_text(tomli_w.dumps(STUDY | {"elasticity": kind}))
+    assert bem_adhesion(["run", "study.toml", "-o", "out.nc"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"elasticity.object = 'own_solids_of_test:{name}': its K(q) fails" in line
+    assert fault in line
+    assert not list(tmp_path.glob("out.nc*"))
 
 
 def test_a_solid_of_another_modulus_than_the_material_is_refused(module):

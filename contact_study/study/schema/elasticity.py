@@ -3,7 +3,10 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
+
+import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import (
@@ -153,6 +156,17 @@ def _imported(name: str) -> tuple[Any, str]:
         raise InputError(f"elasticity.object = {name!r}: {error}") from None
 
 
+def _stiffness(name: str, wavenumber: np.ndarray) -> np.ndarray:
+    """K(q) of a named function; InputError if it raises, or returns anything but positive numbers."""
+    try:
+        return FunctionSolid(1.0, _imported(name)[0]).stiffness(wavenumber)
+    except Exception as error:  # whatever a stranger's function raises
+        raise InputError(
+            f"elasticity.object = {name!r}: its K(q) fails ({type(error).__name__}: {error}); it takes an array of "
+            "wavenumbers and returns one stiffness for each"
+        ) from None
+
+
 @dataclass(frozen=True, kw_only=True)
 class PythonSection(ElasticitySection):
     """A solid that a Python module holds, with the content of that module when the study was read."""
@@ -181,7 +195,7 @@ class PythonSection(ElasticitySection):
         if content != self.object_hash:
             raise InputError("elasticity.object: modules cannot be swept; name objects of one module")
         if not isinstance(found, Elasticity):
-            return FunctionSolid(material.contact_modulus, found)
+            return FunctionSolid(material.contact_modulus, partial(_stiffness, self.object))
         if abs(found.contact_modulus / material.contact_modulus - 1) > SAME_MODULUS:
             raise InputError(
                 f"elasticity.object = {self.object!r}: its contact modulus is {found.contact_modulus:.6g} Pa, that of "
