@@ -14,7 +14,7 @@ from bem_adhesion.study.paths import path_of_equilibria
 from contact_study.campaign.memory import in_words, most_points, on_grid
 from contact_study.campaign.model import MODELS
 from contact_study.inputs.errors import InputError
-from contact_study.inputs.units import length
+from contact_study.inputs.units import force, length, stress
 from contact_study.physics import process_zone as zones
 from contact_study.physics.process_zone import SHARE_OF_HEIGHT, longest_range, process_zone
 from contact_study.physics.solids import Viscoelastic
@@ -36,6 +36,12 @@ _SMALLEST_PART = 30  # grid spacings along a part of the surface below which it 
 def check(case: Case) -> None:
     """Raise InputError for a gap below zero, or for overdamped motion with options that it does not support."""
     case.require_gap()
+    trigger, hardness = case.loading.trigger_force, case.material.hardness
+    if trigger is not None and hardness is not None and trigger >= (most := hardness * case.nominal_area):
+        raise InputError(
+            f"loading.trigger_force = {force(trigger)}: material.hardness = {stress(hardness)} carries less than "
+            f"{force(most)}; give a smaller force"
+        )
     if case.solver.path == "overdamped":
         overdamped_path.check(case, "solver.path")
         if case.elasticity.boundary != "periodic":

@@ -111,7 +111,7 @@ def _read_sources(paths: Sequence[Path]) -> list[_Source]:
             known, other = maps.setdefault(name, (source.path, content))
             if other != content:
                 raise InputError(
-                    f"{known} and {source.path} cannot be joined: the height map {name} had another content "
+                    f"{known} and {source.path} cannot be joined: the map {name} had another content "
                     f"(SHA-256 {other[:12]}… and {content[:12]}…)"
                 )
     for source in others:

@@ -207,7 +207,7 @@ def _different(
         dotted = next(iter(differing))
         one, two = (str(value).rpartition(" ")[2][:12] for value in differing[dotted])
         return NotKeptError(
-            f"the height map {maps[dotted]} has changed since it was started (SHA-256 {one}… then, {two}… "
+            f"the map {maps[dotted]} has changed since it was started (SHA-256 {one}… then, {two}… "
             "now); use another output, or --overwrite"
         )
     if {key.rpartition(".")[2] for key in differing} <= set(case.coordinates) & set(swept):

@@ -193,6 +193,10 @@ def test_a_trigger_that_is_missed_is_said():
 
 REFUSED = [
     (probe(control="pressure", path=[1e6], trigger_force=1.0), r"loading\.trigger_force: belongs to .*approach"),
+    (
+        probe() | {"material": probe()["material"] | {"hardness": "1 kPa"}},
+        r"loading\.trigger_force = 2 nN: material\.hardness = 1 kPa carries less than \S+ \S*N; give a",
+    ),
     (probe(machine_stiffness=0.0), r"loading\.machine_stiffness = 0\.0: must be positive"),
     (probe(machine_stiffness="1 GPa"), r"loading\.machine_stiffness.*'0\.2 N/m'|0\.2 N/m"),
     (

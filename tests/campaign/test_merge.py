@@ -236,4 +236,4 @@ def test_height_maps_need_not_be_at_hand(run, merge, refused, tmp_path):
     assert joined.attrs["height_maps"] == expected.attrs["height_maps"]
     np.save(tmp_path / "map.npy", 2 * heights)
     run(table, RATIO, "2", output="2.nc")
-    refused((files[0], files[2]), "the height map map.npy had another content")
+    refused((files[0], files[2]), "the map map.npy had another content")

@@ -92,7 +92,7 @@ def test_runs_and_theories_take_it_and_a_changed_map_is_refused_on_resume(tmp_pa
     assert "sha256:" in run.attrs["height_maps"]
     assert run.attrs["height_maps"].endswith("afm.npy")
     np.save("afm.npy", 1.1 * map_of.sampled)
-    with pytest.raises(InputError, match=r"the height map afm.npy has changed"):
+    with pytest.raises(InputError, match=r"the map afm.npy has changed"):
         contact_study.run(study, output="bem.nc", resume=True)
 
 

@@ -188,6 +188,6 @@ def check_height_maps(paths: Mapping[str, Path], attributes: Mapping[str, Mappin
             first, other = known.setdefault(height_map, (name, content))
             if other != content:
                 raise InputError(
-                    f"{paths[first]} and {path} cannot be compared: the height map {height_map} had another content; "
+                    f"{paths[first]} and {path} cannot be compared: the map {height_map} had another content; "
                     "run both again on the same file"
                 )

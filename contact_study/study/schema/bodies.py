@@ -1,5 +1,6 @@
 """The sections ``[detail]`` and ``[counterface]``, and the surface that they and ``[form]`` make with ``[surface]``."""
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -60,7 +61,9 @@ def _speaking_of(name: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(str(error).replace("surface.", f"{name}.")) from None
+        own = str(error).replace("surface.", f"{name}.")
+        # The grid is no key of the section: points on its period follow from surface.shape.
+        raise InputError(re.sub(rf"{name}\.shape = (\[[^]]*\])", r"surface.shape (\1 on its period)", own)) from None
     except ValueError as error:
         raise InputError(f"{name}.{error}") from None
 
@@ -95,7 +98,8 @@ class Composite(SurfaceSection):
 
     @property
     def height_key(self) -> str:  # type: ignore[override]
-        return self.surface.height_key
+        parts = [part.height_key.replace("surface.", f"{name}.") for name, part in self._parts.items() if part.rough]
+        return ", ".join(parts + ([] if self.form.kind == "none" else ["form"])) or self.surface.height_key
 
     @property
     def rough(self) -> bool:  # type: ignore[override]
