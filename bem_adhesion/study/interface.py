@@ -58,6 +58,8 @@ def interface_state(case: Case, solution: Solution, surface: Surface, stiffness:
     if (work_of_adhesion := adhesion_of(case, surface.grid)) is not None:
         further["work_of_adhesion_in_contact"] = float(work_of_adhesion[touching].mean()) if touching.any() else np.nan
     numbers = case.law.equilibrium_distance, separation, solution.elastic_energy, solution.interaction_energy
+    # Separations count from zero height where the boundaries are free, else from the mean on the grid.
+    mean_plane = 0.0 if solution.plane is not None else float(surface.sampled.mean())
     return InterfaceState(
         *(gap, pressure, touching, *numbers),
         report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
@@ -66,5 +68,5 @@ def interface_state(case: Case, solution: Solution, surface: Surface, stiffness:
         plastic_indentation=yielded,
         further=further,
         periodic=case.elasticity.boundary == "periodic",
-        highest_point=float(surface.sampled.max()),
+        highest_point=float(surface.sampled.max()) - mean_plane,
     )

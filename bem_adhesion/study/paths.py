@@ -62,9 +62,8 @@ def path_of_equilibria(
                 restart={**found.restart, "account": np.array(ledger, float)},
             )
         if compliance:
-            extended = (
-                float(np.max(surface.sampled)) - found.mean_separation + compliance * float(found.pressure.mean())
-            )
+            assert found.highest_point is not None  # of the continuum
+            extended = found.highest_point - found.mean_separation + compliance * float(found.pressure.mean())
             found = replace(found, further={**found.further, "approach": extended})
         if case.loading.trigger_force is not None:
             if ledger is None:

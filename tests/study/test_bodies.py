@@ -245,7 +245,7 @@ def test_two_maps_are_recorded_checked_and_named(tmp_path, monkeypatch, capsys):
     np.save("map1.npy", 2 * np.load("map1.npy"))
     capsys.readouterr()
     assert bem_adhesion(["run", "study.toml", "-o", "out.nc", "--resume"]) == 1
-    assert "the height map map1.npy has changed" in capsys.readouterr().err
+    assert "the map map1.npy has changed" in capsys.readouterr().err
     more = [
         "--counterface.path",
         "map2.npy",
@@ -282,8 +282,9 @@ COUNTER = {"counter_youngs_modulus": "1 GPa", "counter_poissons_ratio": 0.3}
         ({"counterface": {"kind": "sphere", "radius": 1e-6, "offset": [1e-9, 0]}}, r"counterface\.kind: only a sum"),
         (
             {"counterface": {"kind": "self_affine", "rms_height": 1e-9, "size": "50 nm", "cutoff_mode": 8}},
-            r"counterface\.cutoff_mode = 8: beyond what .* = \[16, 16\] can carry",
+            r"counterface\.cutoff_mode = 8: beyond what surface\.shape \(\[16, 16\] on its period\) can carry",
         ),
+        ({"detail": {**WAVY, "modes": [40, 40]}}, r"detail\.modes = \[40, 40\]: .* surface\.shape \(\[32, 32\] on its"),
         ({"form": {"kind": "sphere", "radius": "60 nm"}}, r"form\.radius: the sphere ends within the cell"),
         ({"form": {"kind": "cone"}}, r'missing key form\.slope: kind = "cone" needs it'),
         ({"form": {"kind": "cone", "slope": -0.1}}, r"form\.slope = -0\.1: must be positive"),
@@ -360,3 +361,31 @@ def test_a_paraboloid_is_the_sphere_of_the_surface_for_continuum_and_atoms():
     for model in ("continuum", "atomistic"):
         gaps = [contact_study.run(study, model).mean_gap.values for study in (one, two)]
         np.testing.assert_allclose(*gaps, rtol=1e-6)  # the residual that the solvers leave, 1e-8
+
+
+def test_heights_that_cannot_be_name_the_keys_of_all_roughness_and_the_form():
+    counterface = {"kind": "wavy", "amplitude": "1 mm"}
+    study = make_study({"surface": ROUGH, **REST, "counterface": counterface, "form": {"kind": "sphere", "radius": 1}})
+    with pytest.raises(
+        InputError, match=r"\(surface\.rms_height, counterface\.amplitude, form\) and surface\.size can"
+    ):
+        review(study)
+
+
+@pytest.mark.parametrize("law", ["hard_wall", "lennard_jones_9_3"])
+@pytest.mark.parametrize("solid", [{}, {"kind": "layer", "thickness": "20 nm"}])
+def test_a_repeated_form_moves_by_the_prescribed_approach_on_any_grid(law, solid):
+    """The form's mean over the cell is zero, that of its 8 x 8 points is not: a tenth of its height on one point."""
+    spring = {} if solid else {"machine_stiffness": "20 N/m"}
+    study = {
+        "surface": {"kind": "flat", "size": "100 nm", "shape": [8, 8]},
+        "form": {"kind": "paraboloid", "radii": "500 nm"},
+        "material": REST["material"],
+        "elasticity": solid,
+        "interaction": {"law": law, **({} if law == "hard_wall" else {"work_of_adhesion": 1e-3, "length": "1 nm"})},
+        "loading": {"control": "approach", "path": ["0.5 nm", "1 nm"], **spring},
+    }
+    found = contact_study.run(study)
+    assert found.total_force.values[-1] > 0
+    moved = found.approach if spring else found.displacement
+    np.testing.assert_allclose(moved, found.applied_approach, rtol=1e-5)  # the residual pressure on the spring
