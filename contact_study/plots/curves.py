@@ -138,7 +138,7 @@ def _loop(dataset: xr.Dataset) -> tuple[int, list[np.ndarray], list[np.ndarray]]
     That is the part of the prescribed one that they share, and the other one along it, forth and back.
     """
     require(dataset, "mean_pressure", "mean_separation", "branch")
-    part = dataset.squeeze()
+    part = dataset.squeeze([dim for dim, size in dataset.sizes.items() if size == 1 and dim != "passed"])
     single(part, "mean_pressure", ("step",), "cycle")
     branch = part["branch"].values
     if "passed_pressure" in part:  # all states passed before the surfaces came apart

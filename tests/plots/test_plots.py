@@ -161,6 +161,10 @@ def test_dissipated_energy_of_a_parallelogram():
         [0] * 6 + [1] * 5,
     )
     assert dissipated_energy(dataset) == pytest.approx(2e-9 * 1e6 * 4.5, rel=1e-9)
+    each = {
+        f"passed_{name}": dataset[f"mean_{name}"].expand_dims(passed=1, axis=-1) for name in ("pressure", "separation")
+    }
+    assert dissipated_energy(dataset.assign(each)) == dissipated_energy(dataset)  # of one state a step
     axes = plots.hysteresis_loop(dataset)
     assert "0.009 J/m² dissipated" in axes.get_legend_handles_labels()[1]
     np.testing.assert_allclose(axes.lines[0].get_xdata(), 11 - np.arange(6))  # nm, pressures from below
