@@ -21,6 +21,7 @@ from contact_study.report.text import wording
 from contact_study.report.text.rendering import Both, capitalised, render
 from contact_study.report.text.wording import PRESCRIBED, length, listed, number, span
 from contact_study.study.schema.dotted_keys import SECTIONS, all_keys
+from contact_study.study.schema.keys import few
 
 _UNITS = {"Pa": "Pa", "J": "J", "J/m^2": "J m-2", "K": "K", "s": "s", "kg": "kg"}
 
@@ -224,7 +225,7 @@ def settings(inputs: Inputs) -> list[tuple[str, str]]:
 
 
 def _unit(inputs: Inputs, key: str, kind: str) -> str:
-    if key == "loading.path":
+    if key in ("loading.path", "loading.amplitude"):
         return "Pa" if inputs.control == "pressure" else "m"
     return "m" if kind in ("m", "m or [y, x]", "list of m") else _UNITS.get(kind.removeprefix("list of "), "1")
 
@@ -234,7 +235,7 @@ def _shown(key: str, value: Any, units: str) -> str:
         return "not given"
     if isinstance(value, tuple | list):
         between = " × " if key in ("surface.size", "surface.shape") else ", "
-        return between.join(_shown(key, one, units) for one in value)
+        return between.join(few([_shown(key, one, units) for one in value]))
     return wording.key_value(key.partition(".")[2], value, units) if not isinstance(value, dict) else str(value)
 
 

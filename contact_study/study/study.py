@@ -121,7 +121,7 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
     _check_structure(table)
     replace_keys(table, overrides or {})
     study = make_study(table, path.parent)
-    return replace(study, notes=study.notes + bare_numbers(table))
+    return replace(study, notes=study.notes + bare_numbers(table, study.cases[0].loading))
 
 
 def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:

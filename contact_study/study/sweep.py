@@ -113,9 +113,10 @@ def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> Swe
     numbers = sorted(value for value in values if isinstance(value, int | float))
     if len(values) < len(written) or any(same(*pair) for pair in itertools.pairwise(numbers)):
         raise InputError(f"sweep.{dotted} = {written!r}: holds a value twice")
-    return SweptKey(
-        values, (declaration.unit or "1").replace("J/m^2", "J m-2").replace("N/m", "N m-1"), declaration.description
-    )
+    unit = declaration.unit
+    if section == "loading" and numbers:
+        unit = cases[0].loading.unit_of_key(name) or unit
+    return SweptKey(values, (unit or "1").replace("J/m^2", "J m-2").replace("N/m", "N m-1"), declaration.description)
 
 
 def coordinates_of(point: dict[str, Any]) -> dict[str, Any]:

@@ -235,6 +235,14 @@ def test_the_method_lists_what_was_set_and_where_states_start(tmp_path):
     assert "solver.tolerance" not in found, "a default"
     held = read(tmp_path, synthetic.GAP_STUDY, ("continuum",))
     assert dict(settings(held))["loading.path"] == "1 nm, 7 Å, 3 Å, 2 Å"
+    gaps = ["1 nm", "1.1 nm", "1 nm", "9 Å"]  # of a cycle of 1 Å about 1 nm
+    for cycles, path in ((5, [*5 * gaps, "1 nm"]), (6, [*gaps, "1 nm", "… 19 more …", "1 nm"])):
+        wave = f'history = "sine"\npoints_per_cycle = 4\namplitude = "1 angstrom"\ncycles = {cycles}\npath = ["1 nm"]\n'
+        loading = synthetic.GAP_STUDY.index("path ="), synthetic.GAP_STUDY.index("[output]")
+        text = synthetic.GAP_STUDY[: loading[0]] + wave + synthetic.GAP_STUDY[loading[1] :]
+        found = dict(settings(read(tmp_path, text, ("continuum",))))
+        assert found["loading.path"] == ", ".join(path)
+        assert found["loading.amplitude"] == "1 Å"
 
 
 def test_constants_of_swept_keys_are_the_models_own(tmp_path):

@@ -13,6 +13,8 @@ import theory.study.model
 from contact_study.inputs.errors import InputError
 from contact_study.physics.lattice import lattice_of
 from contact_study.study.case import path_points, path_points_of
+from contact_study.study.schema.dotted_keys import bare_numbers
+from contact_study.study.schema.sections import LoadingSection
 from contact_study.study.study import make_study, read_study
 
 SURFACE = {"kind": "self_affine", "size": "1040 angstrom", "shape": [64, 64], "rms_height": "10 angstrom"}
@@ -254,6 +256,21 @@ def test_bare_numbers_are_named_with_the_unit_they_are_taken_in_three_at_most(tm
         (line,) = read(tmp_path, changed(section, **keys)).notes
         assert line.startswith("numbers without a unit are taken in SI: ")
         assert said in line
+    for keys, name, said in (
+        ({"path": ("1 Pa",), "history": "sine", "amplitude": 2}, "amplitude", "2 Pa"),
+        ({"path": ("1 nN",), "history": "sine", "amplitude": 2}, "amplitude", "2 N"),
+        ({"path": ("1 nN",), "duration": 2}, "duration", "2 s"),
+        ({"path": ("1 Pa",), "speed": 2}, "speed", "2 Pa/s"),
+        ({"path": ("1 nN",), "speed": 2}, "speed", "2 N/s"),
+        ({"path": ("1 nm",), "control": "approach", "speed": 2}, "speed", "2 m/s"),
+        ({"path": ("1 nm",), "control": "approach", "trigger_force": 2}, "trigger_force", "2 N"),
+        ({"path": ("1 nm",), "control": "approach", "machine_stiffness": 2}, "machine_stiffness", "2 N/m"),
+    ):
+        (line,) = bare_numbers({"loading": {name: 2}}, LoadingSection(**keys))
+        assert f"loading.{name} = 2 is {said};" in line
+    waves = {"path": ["1 MPa"], "history": "sine"}
+    study = make_study(changed("loading", **waves) | {"sweep": {"loading.amplitude": [1e5, 2e5]}})
+    assert study.sweep["amplitude"].units == "Pa"
     swept = changed("sweep", **{"surface.seed": [1, 2], "surface.rms_height": ["1 nm", "2 nm"]})
     assert read(tmp_path, swept).notes == read(tmp_path, changed("loading", control="gap", path=[0])).notes == ()
     assert make_study(changed("loading", path=[1e6])).notes == ()

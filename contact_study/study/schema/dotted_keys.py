@@ -112,7 +112,7 @@ def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
             item.pop(dotted, None)
 
 
-def bare_numbers(table: Mapping[str, Any]) -> tuple[str, ...]:
+def bare_numbers(table: Mapping[str, Any], loading: sections.LoadingSection) -> tuple[str, ...]:
     """A line on the keys of a checked study file whose numbers are taken in SI for want of a unit, if there are."""
     given = [(f"{section}.{name}", value) for section in SECTIONS for name, value in table.get(section, {}).items()]
     for part in (table.get("sweep", {}), *table.get("override", [])):
@@ -120,9 +120,8 @@ def bare_numbers(table: Mapping[str, Any]) -> tuple[str, ...]:
     found = {}
     for dotted, value in given:
         section, name = split(dotted, "")
-        unit = keys_of(SECTIONS[section])[name].unit
-        if dotted == "loading.path":
-            unit = "Pa" if table["loading"].get("control", "pressure") == "pressure" else "m"
+        unit = loading.unit_of_key(name) if section == "loading" else None
+        unit = unit or keys_of(SECTIONS[section])[name].unit
         number = _number(value)
         if unit is not None and number is not None:
             found[dotted] = f"{dotted} = {number!r} is {number!r} {unit}"

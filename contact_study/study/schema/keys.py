@@ -2,7 +2,7 @@
 
 import contextlib
 import difflib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
@@ -23,9 +23,11 @@ class Key:
 
     @property
     def unit(self) -> str | None:
-        """SI unit of its numbers, None for pure ones and words."""
-        unit = self.kind.partition(" or ")[0].rpartition(" ")[2]
-        return unit if unit in units.EXAMPLES else None
+        """SI unit of its numbers, None for pure ones and words, and where another key says which unit."""
+        first = self.kind.partition(" or ")[0]
+        unit = first.rpartition(" ")[2]
+        others = first.split(",")[:-1]
+        return unit if unit in units.EXAMPLES and not units.EXAMPLES.keys() & others else None
 
 
 def key(reader: Reader, description: str, default: Any = MISSING) -> Any:
@@ -333,8 +335,15 @@ def as_written(default: Any) -> str:
     return str(default).lower() if isinstance(default, bool) else str(default)
 
 
+def few(items: Sequence[Any], most: int = 24) -> list[Any]:
+    """The items of a list to show, the middle of a long one replaced by a word on their number."""
+    if len(items) <= most:
+        return list(items)
+    return [*items[:5], f"… {len(items) - 6} more …", items[-1]]
+
+
 def shown(value: Any) -> str:
     """A value of a key for a message."""
     if isinstance(value, tuple | list):
-        return "[" + ", ".join(shown(item) for item in value) + "]"
+        return "[" + ", ".join(shown(item) for item in few(value)) + "]"
     return "not given" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

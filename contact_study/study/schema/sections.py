@@ -142,6 +142,11 @@ class LoadingSection:
             one = cycle(self.history, self.points_per_cycle)
             self.__dict__["path"] += tuple(values[-1] + amplitude * share for share in one) * self.cycles
 
+    def unit_of_key(self, name: str) -> str | None:
+        """SI unit of a key's numbers, by what the path prescribes; None for keys that always have the same."""
+        load = "m" if self.control != "pressure" else "N" if is_a(f"1 {self.unit[0]}", "N") else "Pa"
+        return {"path": load, "amplitude": load, "speed": f"{load}/s"}.get(name)
+
     def spread(self, area: float) -> "LoadingSection":
         """The same with mean pressures on an area (m²) in place of forces."""
         speed = self.speed
