@@ -46,7 +46,8 @@ def run(
         numbers in SI, strings with a unit or pint quantities; paths relative to the working directory. An own surface
         is ``{"surface": {"heights": array, "size": ...}}``, heights (y, x) in m. ``interaction`` or its ``law`` may be
         a law such as :class:`bem_adhesion.LennardJones104`, ``elasticity`` or its ``kind`` a solid such as
-        :class:`bem_adhesion.Layer`; a solid without Poisson's ratio takes ``material.poissons_ratio``.
+        :class:`bem_adhesion.Layer`, or one of your module; one without Poisson's ratio takes
+        ``material.poissons_ratio``.
     model : str, optional
         ``"continuum"``, ``"atomistic"`` or ``"theory"``.
     output : path-like, optional

@@ -29,7 +29,7 @@ from contact_study.study import sweep
 from contact_study.study.case import Case
 from contact_study.study.schema.bodies import ADDED_SECTIONS, bind_added, composed
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, bare_numbers, is_sweep, replace_keys
-from contact_study.study.schema.elasticity import ELASTICITIES
+from contact_study.study.schema.elasticity import ELASTICITIES, importable
 from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH, InteractionSection
 from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
 from contact_study.study.schema.sections import POISSONS_RATIO
@@ -276,10 +276,9 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
             if f"material.{name}" in found.get("sweep", {}):
                 raise InputError(f"sweep.material.{name}: elasticity is an object of one material")
         kind = next((kind for kind, one in ELASTICITIES.declared.items() if one.makes is type(solid)), None)
-        if kind is None:
+        if kind is None and not solid.on_any_grid:
             raise InputError(
-                f"elasticity: no keys of a study make a {type(solid).__name__}; name it by elasticity.object, or use "
-                "rough_contact"
+                f"elasticity: no keys of a study make a {type(solid).__name__}, known on one grid; use rough_contact"
             )
         given, ratio = material.get("poissons_ratio"), getattr(solid, "poissons_ratio", None)
         if given is not None:
@@ -289,7 +288,10 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
             ratio = said
         if ratio is None:
             raise InputError(f"missing key material.poissons_ratio: {type(solid).__name__} has a contact modulus alone")
-        own = {"kind": kind, **ELASTICITIES.declared[kind].keys_from(solid, ratio)}
+        if kind is None:  # of a class outside of this package
+            own = {"kind": "python", "object": importable(solid)}
+        else:
+            own = {"kind": kind, **ELASTICITIES.declared[kind].keys_from(solid, ratio)}
         found["elasticity"] = _joined("elasticity", own, beside)
         modulus = solid.contact_modulus * (1 - ratio**2)
         found["material"] = {**material, "youngs_modulus": modulus, "poissons_ratio": ratio}

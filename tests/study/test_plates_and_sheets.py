@@ -1,5 +1,6 @@
 """Plates and sheets that nothing supports, and solids that a Python module holds."""
 
+import importlib
 import re
 import sys
 from pathlib import Path
@@ -15,7 +16,8 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import FunctionSolid, HalfSpace, Plate, Sheet
 from contact_study.physics.solids.function import named
 from contact_study.start import bem_adhesion
-from contact_study.study.study import make_study
+from contact_study.study.schema.elasticity import PythonSection
+from contact_study.study.study import make_study, with_keys
 from tests.study.test_elasticity import isotropic
 
 MODULUS, THICKNESS = 3.0, 0.7
@@ -76,7 +78,10 @@ STUDY = {
     "loading": {"path": ["0.1 MPa"]},
 }
 MODULE = """
-from contact_study.physics.solids import Plate
+from contact_study.physics.solids import HalfSpace, Plate
+class Own(HalfSpace):
+    pass
+own = Own(2e9)
 def bed(q):
     return 1e15 + 0 * q
 plate = Plate(1e9, 1e-7)
@@ -115,10 +120,39 @@ def test_a_study_takes_solids_of_a_module_and_records_the_module(module, tmp_pat
         contact_study.run(STUDY | {"elasticity": {"kind": "plate", "thickness": 1e-7}})["gap_pdf"]
     )
     assert same.elasticity.object_hash in run.attrs["study_toml"]
+    # An object of the module is its name, by run and in a study; so is one in place of the section.
+    held, material = importlib.import_module("own_solids_of_test"), {"poissons_ratio": 0.0}
+    for solid, given, more in (
+        ("plate", {"kind": "python", "object": held.plate}, {"youngs_modulus": "1 GPa"}),
+        ("bed", {"kind": "python", "object": held.bed}, {"youngs_modulus": "1 GPa"}),
+        ("own", held.own, {}),
+    ):
+        table = STUDY | {"elasticity": given, "material": material | more}
+        (case,) = make_study(with_keys(table)).cases
+        assert case.elasticity == PythonSection(
+            kind="python", object=f"own_solids_of_test:{solid}", object_hash=same.elasticity.object_hash
+        )
+        assert case.solid.contact_modulus == (2e9 if solid == "own" else 1e9)
+    again = contact_study.run(STUDY | {"elasticity": {"kind": "python", "object": held.plate}})
+    assert again["gap_pdf"].equals(run["gap_pdf"])
+    assert 'object = "own_solids_of_test:plate"' in again.attrs["study_toml"]
     module.write_text(MODULE + "# changed")
     named.cache_clear()
     with pytest.raises(InputError, match=r"own_solids_of_test:plate': its module is another"):
         make_study(dict(written.table))
+
+
+def test_an_object_that_no_run_could_find_again_is_refused(module, monkeypatch):
+    held = importlib.import_module("own_solids_of_test")
+    for given, words in (
+        (lambda q: q, "<lambda> is given as an object, but no module holds it"),
+        (type(held.own)(3e9), "Own is given as an object, but no module holds it.*my_solids.py"),
+    ):
+        with pytest.raises(InputError, match=words):
+            study(kind="python", object=given)
+    monkeypatch.setattr(sys.modules[__name__], "STUDY_SOLID", held.plate, raising=False)
+    with pytest.raises(InputError, match=f"several modules hold it; give .*{__name__}:STUDY_SOLID"):
+        study(kind="python", object=held.plate)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """A solid whose stiffness is a function of the wavenumber, and solids that a Python module holds."""
 
 import importlib
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -65,3 +66,26 @@ def named(name: str) -> tuple[Any, str]:
     if not (isinstance(found, Elasticity) or callable(found)):
         raise ValueError(f"is a {type(found).__name__}, neither a function K(q) nor an Elasticity")
     return found, content_hash(Path(str(module.__file__)))
+
+
+def name_of(found: Any) -> str:
+    """Return the ``"module:name"`` by which :func:`named` finds an object again; ValueError if there is none."""
+    holders = {
+        module_name: name
+        for module_name, module in list(sys.modules.items())
+        if module_name != "__main__" and getattr(module, "__file__", None)
+        for name, value in list(vars(module).items())
+        if value is found
+    }
+    own = getattr(found, "__module__", None)  # of an object, that of its class
+    if own in holders:
+        holders = {own: holders[own]}
+    if len(holders) > 1:
+        names = " or ".join(f'"{module_name}:{name}"' for module_name, name in holders.items())
+        raise ValueError(f"several modules hold it; give {names}")
+    for module_name, name in holders.items():
+        return f"{module_name}:{name}"
+    raise ValueError(
+        "no module holds it, so that no run could find it again; put it into a module of your own, such as "
+        "my_solids.py, and import it from there"
+    )

@@ -21,7 +21,7 @@ from contact_study.physics.solids import (
     Viscoelastic,
 )
 from contact_study.physics.solids.base import indentation_modulus, stiffnesses
-from contact_study.physics.solids.function import named
+from contact_study.physics.solids.function import name_of, named
 from contact_study.study.schema import keys
 from contact_study.study.schema.keys import METRES, PASCALS, PER_METRE, SECONDS, TEXT, key, quantity, sequence
 from contact_study.study.schema.sections import POISSONS_RATIO, MaterialSection
@@ -167,6 +167,15 @@ def _stiffness(name: str, wavenumber: np.ndarray) -> np.ndarray:
         ) from None
 
 
+def importable(found: Any) -> str:
+    """The module and name of an object that a Python study gives; InputError if a dataset could not record it."""
+    try:
+        return name_of(found)
+    except ValueError as error:
+        what = getattr(found, "__name__", type(found).__name__)
+        raise InputError(f"elasticity.object: {what} is given as an object, but {error}") from None
+
+
 @dataclass(frozen=True, kw_only=True)
 class PythonSection(ElasticitySection):
     """A solid that a Python module holds, with the content of that module when the study was read."""
@@ -180,6 +189,8 @@ class PythonSection(ElasticitySection):
     def recorded(cls, table: Mapping[str, Any]) -> dict[str, Any]:
         """Return the keys with the hash of the module; InputError if it is another than they hold."""
         name = table.get("object")
+        if isinstance(name, Elasticity) or callable(name):
+            name = importable(name)
         if not isinstance(name, str):  # missing, or another mistake that binding names
             return dict(table)
         content = _imported(name)[1]
@@ -188,7 +199,7 @@ class PythonSection(ElasticitySection):
                 f"elasticity.object = {name!r}: its module is another than that of elasticity.object_hash; restore it, "
                 "or leave the hash out and run the study again"
             )
-        return {**table, "object_hash": content}
+        return {**table, "object": name, "object_hash": content}
 
     def solid(self, material: MaterialSection) -> Elasticity:
         found, content = _imported(self.object)
