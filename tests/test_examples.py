@@ -23,6 +23,7 @@ SMALLER = {
     "ensemble": ("samples = 12", "samples = 2"),
     "atoms_beside_continuum": ("poisson, well, r0 = 64", "poisson, well, r0 = 32"),
     "viscoelastic_pull_off": ("1e-5, 8", "1e-5, 2"),
+    "rubber_probe": ("[54, 54]", "[27, 27]"),
     "pictures": ("[192, 192]", "[96, 96]"),
     "edge_gaps": ("1e-6, 2048, (1, 2, 3)", "1e-6, 256, (1, 2)"),
     "rough_probe": ("(0.0, 0.2, 0.4), 144", "(0.4,), 80"),

@@ -9,6 +9,7 @@ so that the pressure at its end is that of an *elastic* half-space of modulus E 
 h + v, v = Σ E_i (e_i h_i − a_i u)/E. The method is of second order in Δt.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +35,8 @@ class ViscoelasticContact:
         The half-space.
     law : TractionLaw
         The law of interaction.
+    machine_stiffness : float, optional
+        Spring in series with the solid, for ``control="approach"``, as of :func:`rough_contact` (N/m).
     **options
         ``control``, ``tolerance``, ``max_iterations``, ``threads``, ``trace`` and ``work_of_adhesion`` of
         :func:`rough_contact`.
@@ -65,6 +68,7 @@ class ViscoelasticContact:
         size: float | tuple[float, float],
         solid: Viscoelastic,
         law: TractionLaw,
+        machine_stiffness: float | None = None,
         **options: object,
     ):
         self.height = field("height", height)
@@ -76,10 +80,18 @@ class ViscoelasticContact:
         self._wall = law.bare_wall
         self._moduli, self._times = np.array(solid.branch_moduli), np.array(solid.relaxation_times)
         self._control = str(options.get("control", "pressure"))
+        self._highest = float(self.height.max())
+        if machine_stiffness is not None:
+            if self._control != "approach":
+                raise ValueError(
+                    f"machine_stiffness: belongs to control = 'approach', not '{self._control}'; leave it out"
+                )
+            area, spring = math.prod(self._grid.size), positive("machine_stiffness", machine_stiffness, "N/m")
+            options["machine_compliance"] = area / spring
         apart = self._elastic_contact(self.height, solid.contact_modulus).separated()
-        highest, mean = self.height.max(), self.height.mean()
+        mean = self.height.mean()
         # Mean gap of the surfaces before the law acts between them (m).
-        self.first_gap = float(highest - mean if self._wall else (apart - self.height).mean())
+        self.first_gap = float(self._highest - mean if self._wall else (apart - self.height).mean())
         warn_of_coarse_grid(self._grid, solid, law, options.get("work_of_adhesion"))  # type: ignore[arg-type]
 
     def _elastic_contact(self, heights: np.ndarray, modulus: float) -> Contact:
@@ -100,7 +112,7 @@ class ViscoelasticContact:
             The solution of the step before, its ``state``, or :meth:`separated`: the start of the solver (a gap,
             infinite for separated surfaces, or a hard wall's pressure), the displacement u, and h_i of each branch (m).
         target : float
-            Mean pressure (Pa) or mean gap (m) at the end of the step.
+            Mean pressure (Pa), mean gap or approach of the spring's far end (m) at the end of the step.
         duration : float
             Δt (s).
 
@@ -126,6 +138,8 @@ class ViscoelasticContact:
         memory = (np.tensordot(self._moduli * decay, carried, 1) - float(self._moduli @ gain) * before) / modulus
         heights = self.height + memory
         contact = self._elastic_contact(heights, modulus)
+        if self._control == "approach":  # from first touch of the surface itself
+            target += float(heights.max()) - self._highest
         if not self._wall:
             start = heights + start if np.isfinite(start).all() else contact.separated()
         found = contact.step(start, target)

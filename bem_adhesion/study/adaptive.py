@@ -161,11 +161,12 @@ def follow(
         if not found.converged:
             ended = replace(found, state=state, outcome=Outcome.LEAST_STEP, fft_pairs=pairs, iterations=iterations)
             return ended, passed
-        if way > 0 and trigger.missing(new.pressure) < 0:
+        if way > 0 and (left := trigger.missing(new.pressure)) <= 0:
             last = True
-            if not jumped and stop is not None:
+            if left < 0 and not jumped and stop is not None:
                 found, new = stop(state, now, new.position)
                 pairs, iterations = pairs + found.fft_pairs, iterations + found.iterations
+                lost = float(unaccounted(now.state, new.state)[0])
         if jumped and not detached:
             unknown = float(undecided(now.state, new.state))
             new = new._replace(dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)

@@ -45,6 +45,12 @@ def adhesion_of(case: Case, grid: Grid) -> np.ndarray | None:
     return None if factors is None else factors * case.law.work_of_adhesion
 
 
+def approach_of(found: InterfaceState, compliance: float) -> float:
+    """Return the approach of the far end of a spring of a compliance per area (m/Pa): displacement and extension."""
+    assert found.highest_point is not None  # of the continuum
+    return found.highest_point - found.mean_separation + compliance * float(found.pressure.mean())
+
+
 def interface_state(case: Case, solution: Solution, surface: Surface, stiffness: float | None = None) -> InterfaceState:
     """Return the state of a case's interface, on the heights of its surface; ``stiffness`` −dp/dū if known (Pa/m)."""
     gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation

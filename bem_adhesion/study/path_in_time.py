@@ -15,10 +15,13 @@ import numpy as np
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import NOISE, EnergyLedger, follow, ledger_of, losses_of, passed_states
-from bem_adhesion.study.interface import adhesion_of, interface_state, solver_options
+from bem_adhesion.study.interface import adhesion_of, approach_of, interface_state, solver_options
+from bem_adhesion.study.ramps import Ramp, ramp_to, step_until_trigger
+from bem_adhesion.study.trigger import NO_TRIGGER, Trigger, warn_of_trigger
 from contact_study.physics.process_zone import TOO_COARSE
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
+from contact_study.results.path_results import beyond_spring
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 
@@ -34,88 +37,122 @@ class TimeState(NamedTuple):
     dissipated: float = 0.0
 
 
-class Ramp(NamedTuple):
-    """A load (Pa or m) that changes at a constant rate in a time (s)."""
-
-    begin: float
-    target: float
-    duration: float
-
-    def at(self, time: float) -> float:
-        """Return the load after a time (s)."""
-        way = self.target - self.begin
-        return self.target if time == self.duration else self.begin + time / self.duration * way
-
-
 def steps_in_time(
-    contact: ViscoelasticContact, state: np.ndarray, before: TimeState, target: float, duration: float, steps: int
+    contact: ViscoelasticContact,
+    state: np.ndarray,
+    before: TimeState,
+    target: float,
+    duration: float,
+    steps: int,
+    trigger: Trigger = NO_TRIGGER,
+    pressure: float = 0.0,
 ) -> Iterator[tuple[Solution, TimeState]]:
-    """Yield states from one point of a path to the next, with the work so far; the load changes at a constant rate."""
+    """Yield states from one point of a path to the next, with the work so far; the load changes at a constant rate.
+
+    The way ends at the trigger, its start at a mean pressure (Pa) below it.
+    """
     now, pairs, iterations = before, 0.0, 0
     for number in range(1, steps + 1):
         share = number / steps
         position = target if number == steps else before.position + share * (target - before.position)
         solution, dissipated = contact.step(state, position, duration / steps)
-        now = TimeState(position, before.time + share * duration, now.dissipated + dissipated)
+        time = share * duration
+        left = trigger.missing(float(solution.pressure.mean()))
+        if solution.converged and left < 0:
+            ramp, span = Ramp(before.position, target, duration), ((number - 1) / steps * duration, time)
+            pairs, iterations = pairs + solution.fft_pairs, iterations + solution.iterations
+            solution, dissipated, time = step_until_trigger(contact, state, pressure, ramp, span, trigger)
+            position = ramp.at(time)
+        now = TimeState(position, before.time + time, now.dissipated + dissipated)
         pairs, iterations = pairs + solution.fft_pairs, iterations + solution.iterations
         yield replace(solution, fft_pairs=pairs, iterations=iterations), now
-        if not solution.converged:
+        if not solution.converged or left <= 0:
             return
-        state = solution.state
+        state, pressure = solution.state, float(solution.pressure.mean())
 
 
 def adaptive_interval(
-    contact: ViscoelasticContact, state: np.ndarray, before: EnergyLedger, ramp: Ramp, least: float, noise: float
+    contact: ViscoelasticContact,
+    state: np.ndarray,
+    before: EnergyLedger,
+    ramp: Ramp,
+    least: float,
+    noise: float,
+    compliance: float = 0.0,
+    trigger: Trigger = NO_TRIGGER,
 ) -> tuple[Solution, list[EnergyLedger]]:
     """Go along a ramp in adaptive steps of time, at least ``least`` (s), as :func:`follow`; positions are its times."""
 
-    def move(state: np.ndarray, now: EnergyLedger, time: float) -> tuple[Solution, EnergyLedger]:
-        found, lost = contact.step(state, ramp.at(time), time - now.position)
-        new = ledger_of(found, time, contact.solid, now)._replace(viscous=now.viscous + lost)
+    def booked(found: Solution, lost: float, now: EnergyLedger, time: float) -> tuple[Solution, EnergyLedger]:
+        new = ledger_of(found, time, contact.solid, now, compliance)._replace(viscous=now.viscous + lost)
         return found, new._replace(separation=contact.first_gap) if found.detached else new
 
-    return follow(move, state, before._replace(position=0.0), ramp.duration, least, noise, ACCURACY)
+    def move(state: np.ndarray, now: EnergyLedger, time: float) -> tuple[Solution, EnergyLedger]:
+        return booked(*contact.step(state, ramp.at(time), time - now.position), now, time)
+
+    def stop(state: np.ndarray, now: EnergyLedger, beyond: float) -> tuple[Solution, EnergyLedger]:
+        span = now.position, beyond
+        found, lost, time = step_until_trigger(contact, state, now.pressure, ramp, span, trigger)
+        return booked(found, lost, now, time)
+
+    return follow(move, state, before._replace(position=0.0), ramp.duration, least, noise, ACCURACY, trigger, stop)
 
 
 def path_in_time(
     case: Case, surface: Surface, solid: Viscoelastic, restart: Mapping[str, np.ndarray] | None, start: int
 ) -> Iterator[InterfaceState]:
     """Yield the states of a case's path with their times; parameters as for :func:`solve_path`."""
-    loading, distance = case.loading, case.law.equilibrium_distance
+    loading, distance, compliance = case.loading, case.law.equilibrium_distance, case.machine_compliance
+    shortest = min(solid.relaxation_times)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study warns for all cases
         options = solver_options(case, surface.grid.points) | {"work_of_adhesion": adhesion_of(case, surface.grid)}
-        contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, **options)
+        spring = loading.machine_stiffness
+        contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, spring, **options)
     origin = 0.0 if loading.control == "pressure" else contact.first_gap - distance
+    if loading.control == "approach":
+        origin = float(surface.sampled.max() - surface.sampled.mean()) - origin
     state, now, ledger = contact.separated(), TimeState(origin), EnergyLedger(0.0, 0.0, contact.first_gap, 0.0, False)
-    if restart is None and case.least_step and loading.control == "gap":  # the law's far end has an energy, too
+    pressure = 0.0
+    if restart is None and case.least_step and loading.control != "pressure":  # the law's far end has an energy, too
         begun, _ = contact.step(state, origin, 1e9 * max(solid.relaxation_times))
-        state, ledger = begun.state, ledger_of(begun, 0.0, solid)
+        state, ledger = begun.state, ledger_of(begun, 0.0, solid, compliance=compliance)
     elif restart is not None:
         state, now = restart["state"], TimeState(*restart["moment"].tolist())
         ledger = EnergyLedger(*restart["account"].tolist()) if case.least_step else ledger
-    for (target, _), duration in list(zip(case.path, case.durations(origin), strict=True))[start:]:
-        ramp = Ramp(now.position, target, duration)
+        pressure = float(restart.get("held", 0.0))
+    for number, duration in list(enumerate(case.durations(origin)))[start:]:
+        target, before = case.path[number][0], case.path[number - 1][0] if number else origin
+        ramp, trigger = ramp_to(case, number, Ramp(now.position, target, duration), before, pressure, shortest)
         further: dict[str, float] = {}
         account: dict[str, np.ndarray] = {}
         if case.least_step is None:
             ledgers = []
-            for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
+            way = ramp.target, ramp.duration, loading.time_steps, trigger, pressure
+            for solution, moment in steps_in_time(contact, state, now, *way):
                 if solution.converged:
                     ledgers.append(ledger_of(solution, moment.position, solid))
             now, passed = moment, passed_states(ledgers, distance)
         else:
-            least = loading.resolution * min(solid.relaxation_times)
+            least = loading.resolution * shortest
             if ramp.target != ramp.begin:
-                least = min(least, case.least_step * duration / abs(ramp.target - ramp.begin))
+                least = min(least, case.least_step * ramp.duration / abs(ramp.target - ramp.begin))
             noise = NOISE * max(case.law.work_of_adhesion, ledger.energy)
-            solution, ledgers = adaptive_interval(contact, state, ledger, ramp, least, noise)
-            ledger, passed = ledgers[-1], _passed_in_time(ledgers[1:], ramp, distance)
+            given = ramp, least, noise, compliance, trigger
+            solution, ledgers = adaptive_interval(contact, state, ledger, *given)
+            ledger = ledgers[-1]
+            passed = beyond_spring(_passed_in_time(ledgers[1:], ramp, distance), -compliance)
             now = TimeState(ramp.at(ledger.position), now.time + ledger.position, ledger.viscous)
             further = {**losses_of(ledger), "unaccounted_work": ledger.open}
             account = {"account": np.array(ledger, float)}
         state = solution.state
         found = interface_state(case, solution, surface)
+        pressure = float(found.pressure.mean())
+        if compliance:
+            further["approach"] = approach_of(found, compliance)
+        if loading.trigger_force is not None:
+            account["held"] = np.array(pressure)
+            warn_of_trigger(case, number, pressure)
         yield replace(
             found,
             further={**found.further, "time": now.time, "viscous_dissipation": now.dissipated, **further},

@@ -10,7 +10,7 @@ import numpy as np
 from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.contacts.rough_contact import contact_between
 from bem_adhesion.study.adaptive import NOISE, EnergyLedger, adaptive_step, ledger_of, losses_of, passed_states
-from bem_adhesion.study.interface import adhesion_of, interface_state, solver_options
+from bem_adhesion.study.interface import adhesion_of, approach_of, interface_state, solver_options
 from bem_adhesion.study.trigger import Trigger, step_to_trigger, warn_of_trigger
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
@@ -62,9 +62,7 @@ def path_of_equilibria(
                 restart={**found.restart, "account": np.array(ledger, float)},
             )
         if compliance:
-            assert found.highest_point is not None  # of the continuum
-            extended = found.highest_point - found.mean_separation + compliance * float(found.pressure.mean())
-            found = replace(found, further={**found.further, "approach": extended})
+            found = replace(found, further={**found.further, "approach": approach_of(found, compliance)})
         if case.loading.trigger_force is not None:
             if ledger is None:
                 found = replace(found, restart={**found.restart, "position": np.array(position)})

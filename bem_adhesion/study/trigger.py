@@ -74,8 +74,10 @@ def step_to_trigger(
 def warn_of_trigger(case: Case, number: int, mean_pressure: float) -> None:
     """Warn if a way in ends at this point of the path with another force than the trigger's."""
     values = [value for value, _ in case.path]
-    before, here, after = (values[max(at, 0)] for at in (number - 1, number, min(number + 1, len(values) - 1)))
-    if before <= here > after and Trigger.of(case).missing(mean_pressure):
+    here = values[number]
+    arrives = not number or values[number - 1] < here  # in a dwell the force may relax
+    after = next((value for value in values[number + 1 :] if value != here), here)
+    if arrives and here > after and Trigger.of(case).missing(mean_pressure):
         warnings.warn(
             f"at {case.point_in_words(number)} the force is {force(mean_pressure * case.nominal_area)}, not yet "
             f"loading.trigger_force = {force(case.loading.trigger_force or 0.0)}, and the path goes back: use a larger "

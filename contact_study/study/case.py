@@ -134,8 +134,6 @@ class Case:
             raise InputError(f"missing key loading.period: {kind} needs the time of a cycle")
         refuse(
             {
-                f"loading.machine_stiffness: not known of {kind}; leave it out": self.loading.machine_stiffness
-                is not None,
                 f'solver.path = "overdamped": not known of {kind}; leave it out': self.solver.path == "overdamped",
                 f"output.stiffness: not known of {kind}; leave it out": self.output.stiffness,
                 f"material.hardness: not known of {kind}; leave it out": self.material.hardness is not None,

@@ -200,9 +200,10 @@ REFUSED = [
     (probe(machine_stiffness=0.0), r"loading\.machine_stiffness = 0\.0: must be positive"),
     (probe(machine_stiffness="1 GPa"), r"loading\.machine_stiffness.*'0\.2 N/m'|0\.2 N/m"),
     (
-        viscoelastic(loading={"path": [1e-9], "control": "approach", "duration": 1.0, "machine_stiffness": 1.0}),
-        "not known",
+        viscoelastic(loading={"path": [1e-9], "control": "approach", "duration": 1.0, "trigger_force": 1.0}),
+        r"moves .*viscoelastic.*give the spring loading\.machine_stiffness",
     ),
+    (viscoelastic(loading={"path": [1e7], "duration": 1.0, "machine_stiffness": 1.0}), "machine_stiffness: bel"),
     (
         study_table(32, loading={"path": [1e-9], "machine_stiffness": 1.0}, interaction=HARD_WALL),
         "machine_stiffness: bel",
