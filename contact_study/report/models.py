@@ -35,6 +35,7 @@ FIGURE_TITLES = {
     "loop": "Loading and unloading",
     "force": "Force curve",
     "criteria": "Criteria of sticking",
+    "leakage": "Leakage",
 }
 """Figures of a report by name, in the order of their numbers."""
 

@@ -17,7 +17,7 @@ from contact_study.plots.style import COLOURS
 from contact_study.report import figures
 from contact_study.report.align.states import read_gaps, read_magnification
 from contact_study.report.facts.shown_states import panel_points
-from contact_study.report.models import look_of
+from contact_study.report.models import FIGURE_TITLES, look_of
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
 from tests.report.panels import area_curves, at, figure_of
@@ -31,7 +31,9 @@ def drawn(monkeypatch, inputs):
     """The figures of a comparison before they are files, in reduced units, with their captions."""
     kept = {}
     monkeypatch.setattr(figures, "saved", lambda figure, kind, name: kept.update({name[:-1]: figure}) or b"")
-    return kept, figures.draw(inputs).captions
+    captions = figures.draw(inputs).captions
+    assert kept.keys() <= FIGURE_TITLES.keys()  # their files are named by the place in it
+    return kept, captions
 
 
 def words_of(figure):
