@@ -22,6 +22,8 @@ SMALLER = {
     "hysteresis_loop": ("320, 25", "64, 8"),
     "ensemble": ("samples = 12", "samples = 2"),
     "atoms_beside_continuum": ("poisson, well, r0 = 64", "poisson, well, r0 = 32"),
+    "leakage": ("[128, 128]", "[48, 48]"),
+    "line_contact": ("points, extent = 512", "points, extent = 128"),
     "viscoelastic_pull_off": ("1e-5, 8", "1e-5, 2"),
     "rubber_probe": ("[54, 54]", "[27, 27]"),
     "pictures": ("[192, 192]", "[96, 96]"),
