@@ -31,11 +31,12 @@ from cosmic_ray.work_item import MutationSpec, TestOutcome, WorkerOutcome, WorkR
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "mutants"
 PACKAGES = {
+    "contact_study/inputs": "tests/study",
     "theory": "tests/theory",
     "bem_adhesion": "tests/bem_adhesion",
     "md_reference": "tests/md_reference",
     "contact_study/study": "tests/study",
-    "contact_study/physics": "tests/study tests/numerics tests/bem_adhesion",
+    "contact_study/physics": "tests/study tests/numerics tests/bem_adhesion tests/theory",
     "contact_study/numerics": "tests/numerics",
     "contact_study/results": "tests/results",
 }

@@ -3,9 +3,10 @@
 Along a branch the work of the load is stored, or lost by the solid's viscosity: D = −∫p ds − ΔU − ΔV is zero, s the
 separation of the mean planes. Behind a spring s is that of its far end, and U includes its energy. An adaptive step
 with more D than a share, that fails, or that passes over the largest tension is halved, down to the least: a jump. A
-step that succeeds is followed by one twice as long.
+step that succeeds is followed by one twice as long, up to the longest.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -99,6 +100,7 @@ def adaptive_step(
     noise: float = 0.0,
     compliance: float = 0.0,
     trigger: Trigger = NO_TRIGGER,
+    longest: float = math.inf,
 ) -> tuple[Solution, list[EnergyLedger]]:
     """Go to the next equilibrium of a path, behind a spring of ``compliance`` per area (m/Pa), see :func:`follow`."""
 
@@ -110,7 +112,7 @@ def adaptive_step(
         found, position = step_to_trigger(contact, state, now.position, beyond, trigger)
         return found, ledger_of(found, position, solid, now, compliance)
 
-    return follow(move, state, before, target, least, noise, UNACCOUNTED, trigger, stop)
+    return follow(move, state, before, target, least, noise, UNACCOUNTED, trigger, stop, longest)
 
 
 def follow(
@@ -123,6 +125,7 @@ def follow(
     accuracy: float,
     trigger: Trigger = NO_TRIGGER,
     stop: Move | None = None,
+    longest: float = math.inf,
 ) -> tuple[Solution, list[EnergyLedger]]:
     """Go to the next point in steps whose work is accounted for, but for a ``noise`` (J/m²), or fail at the least step.
 
@@ -133,7 +136,7 @@ def follow(
     """
     if trigger.missing(before.pressure) <= 0:
         target = min(target, before.position)
-    passed, length = [before], FIRST_STEP * (target - before.position)
+    passed, length = [before], float(np.clip(FIRST_STEP * (target - before.position), -longest, longest))
     earlier = None  # the state at the start of the last step
     pairs, iterations, torn = 0.0, 0, False
     while True:
@@ -172,7 +175,7 @@ def follow(
             new = new._replace(dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)
         else:
             new = new._replace(open=now.open + lost)
-        state, earlier, length = found.state, state, 2 * way
+        state, earlier, length = found.state, state, float(np.clip(2 * way, -longest, longest))
         passed.append(new)
         torn = torn or bool(detached)
         if last:

@@ -48,7 +48,7 @@ def path_of_equilibria(
         else:
             noise = NOISE * case.law.work_of_adhesion
             assert case.least_step is not None  # only adaptive paths have a ledger
-            about = case.least_step, case.solid, noise, compliance, trigger
+            about = case.least_step, case.solid, noise, compliance, trigger, case.longest_step(ledger.position, value)
             solution, (_, *passed) = adaptive_step(contact, state, ledger, value, *about)
             ledger = passed[-1] if passed else ledger
         state = solution.state

@@ -30,6 +30,9 @@ from contact_study.study.schema.surface import SurfaceSection
 # The least step of a gap or approach is the resolution times so many lengths of the law, by default a twentieth of one.
 # Pressures vary over that length, and the error of the trapezoidal rule is the square of a step over 12.
 _LENGTHS = 5
+# A longer step of a displacement passes several jumps of a rough contact, whose work the error of the rule may hide.
+# Over the law's length, and over the way between two points, which is passed in no more than a hundred such steps.
+_LONGEST, _SHARE = 0.5, 0.01
 
 
 @dataclass(frozen=True)
@@ -243,6 +246,12 @@ class Case:
         if self.loading.control != "pressure":
             largest = min(largest, _LENGTHS * self.law.length)
         return self.loading.resolution * largest
+
+    def longest_step(self, start: float, end: float) -> float:
+        """Longest step of an adaptive path between two of its points, in its unit."""
+        if self.loading.control == "pressure":
+            return math.inf
+        return max(_LONGEST * self.law.length, _SHARE * abs(end - start))
 
     def point_in_words(self, number: int) -> str:
         name, size = self.loading.unit

@@ -43,9 +43,9 @@ def on_layer(**sections):
     return study_table(32, size=200e-10, **{**LAYER, "surface": {"rms_height": 2e-10}, **sections})
 
 
-def adaptive(control, path):
+def adaptive(control, path, **sections):
     loading = {"path": path, "control": control, "adaptive": True, "resolution": 0.02}
-    return study_table(48, size=150e-10, surface={"rms_height": 4e-10}, loading=loading)
+    return study_table(48, size=150e-10, surface={"rms_height": 4e-10}, loading=loading, **sections)
 
 
 def viscoelastic(**sections):
@@ -164,6 +164,16 @@ def test_adaptive_steps_dissipate_pull_off_and_keep_the_states_they_pass(tmp_pat
         longer = contact_study.run(table, "continuum", output=output, resume=True)
     np.testing.assert_array_equal(longer.dissipated_energy, whole.dissipated_energy)
     np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
+
+
+@pytest.mark.parametrize(("way", "longest"), [(6e-10, 1.5e-10), (6e-8, 6e-10)])
+def test_adaptive_steps_of_a_gap_are_no_longer_than_half_the_range_or_a_hundredth_of_the_way(way, longest):
+    (case,) = make_study(adaptive("gap", [way + 1e-10, 1e-10], interaction=ATOMIC)).cases
+    assert case.longest_step(*case.loading.path) == pytest.approx(longest, rel=1e-12)
+    if way < 1e-9:
+        passed = run(adaptive("gap", [way + 1e-10, 1e-10], interaction=ATOMIC)).passed_separation
+        steps = np.abs(np.diff(passed.transpose("step", ...).stack(all=("step", ...)).dropna("all").values))
+        assert 0.5 * longest < steps.max() <= longest * (1 + 1e-9)  # a half-space's separation is its mean gap
 
 
 def overdamped(**sections):
