@@ -45,7 +45,7 @@ def check(case: Case) -> None:
     case.require_gap()
     kind = case.surface.kind
     if case.elasticity.kind == "viscoelastic":
-        raise InputError('elasticity.kind = "viscoelastic": the theories are static; use "elastic" or a simulation')
+        raise InputError('elasticity.kind = "viscoelastic": the theories are static; use "half_space" or a simulation')
     if case.material.hardness is not None:
         raise InputError(f"material.hardness = {case.material.hardness:g} Pa: the theories are elastic; leave it out")
     if case.elasticity.boundary != "periodic":
