@@ -55,11 +55,11 @@ def ramp_to(
     held = ramp._replace(target=ramp.begin)
     if number and ramp.target == before:
         return held, NO_TRIGGER
-    if ramp.target == ramp.begin or (ramp.target > ramp.begin and trigger.missing(pressure) <= 0):
-        return held._replace(duration=INSTANT * shortest), NO_TRIGGER
     if case.loading.speed is not None and ramp.begin != before:
         way = abs((ramp.target - ramp.begin) / (ramp.target - before))
         ramp = ramp._replace(duration=ramp.duration * way)
+    if not ramp.duration or (ramp.target > ramp.begin and trigger.missing(pressure) <= 0):
+        return held._replace(duration=INSTANT * shortest), NO_TRIGGER
     return ramp, trigger if ramp.target > ramp.begin else NO_TRIGGER
 
 
