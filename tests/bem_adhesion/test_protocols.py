@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import contact_study
-from bem_adhesion import HardWall, Viscoelastic, ViscoelasticContact, rough_contact
+from bem_adhesion import HardWall, LennardJones104, Viscoelastic, ViscoelasticContact, rough_contact
+from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.study import path_in_time
 from contact_study.campaign import worker
 from tests.recording import stopper
@@ -92,6 +93,11 @@ def test_a_way_in_ends_at_its_trigger_and_the_dwell_holds_the_machine(kind):
     np.testing.assert_allclose(machine, whole.displacement + force / 2.0, atol=1e-15)
     took = np.diff(machine) / [500e-9, 1, 1e-6, -2e-6] + [0, 2.0, 0, 0]
     np.testing.assert_allclose(np.diff(time), took, atol=2 * known / 500e-9)
+    law = LennardJones104(0.05, 40e-9)
+    out_of_reach = law.equilibrium_distance - reach(law)  # where the path begins
+    assert time[0] == pytest.approx(abs(-100e-9 - out_of_reach) / 1e-6, rel=1e-9)
+    last = [row[~np.isnan(row)][-1] for row in whole.passed_separation.values]
+    np.testing.assert_allclose(last, whole.mean_separation, atol=1e-20)  # without the spring
     # The state is that of a path to this position at this speed, without a trigger.
     plain = probe([-100e-9, float(machine[1])], **way)
     for name in ("trigger_force", "duration"):
