@@ -30,6 +30,8 @@ def sphere_theories(dataset: xr.Dataset, names: Sequence[str]) -> dict[str, Sphe
     radius = _radius(case)
     if type(case.solid) is not HalfSpace or case.material.hardness is not None:
         raise ValueError("theories: they are of an elastic half-space; this study's solid is another")
+    if case.adhesion_map.kind != "none":
+        raise ValueError("theories: they have one work of adhesion; this study's varies by [adhesion_map]")
     if any(name != "hertz" for name in names) and not case.law.attracts:
         raise ValueError(f'theories: interaction.law = "{case.interaction.law}" does not attract; use "hertz"')
     constants = radius, case.solid.contact_modulus
@@ -104,5 +106,7 @@ def _radius(case: Case) -> float:
         known = {"sphere": ("radius",), "paraboloid": ("radii",)}.get(case.form.kind, ()) if bare else ()
         radii = {*np.ravel([getattr(case.form, name) for name in known]).tolist()}
     if len(radii) != 1:
-        raise ValueError('theories: the study presses no smooth sphere; use surface.kind = "sphere" without roughness')
+        raise ValueError(
+            'theories: the study presses no smooth sphere; use a [form], "sphere" or "paraboloid", on a flat surface'
+        )
     return float(radii.pop())

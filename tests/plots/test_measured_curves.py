@@ -108,6 +108,11 @@ def test_against_the_contact_radius(computed, measured):
         ({"interaction": {"law": "hard_wall"}}, {"theories": ["dmt"]}, 'does not attract; use "hertz"'),
         ({"surface": {"kind": "flat", "size": 6e-8, "shape": [8, 8]}}, {"theories": ["jkr"]}, "no smooth sphere"),
         ({"detail": {"kind": "wavy", "amplitude": 1e-9, "modes": [3, 3]}}, {"theories": ["jkr"]}, "no smooth sphere"),
+        (
+            {"adhesion_map": {"kind": "patches", "modes": [2, 0], "contrast": 0.5}},
+            {"theories": ["jkr"]},
+            r"one work of adhesion; this study's varies by \[adhesion_map\]",
+        ),
         ({"elasticity": {"kind": "layer", "thickness": 1e-8}}, {"theories": ["jkr"]}, "elastic half-space"),
         (
             {"sweep": {"surface.radius": [RADIUS, 2 * RADIUS]}},
