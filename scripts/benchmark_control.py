@@ -1,8 +1,10 @@
 """Work of adhesive load steps at a given gap or approach beside those at a given pressure, as a Markdown table.
 
 For each grid and adhesion: median transform pairs of a load step (as float64 pairs on the finest grid) through the
-paper's pressures, then through the mean gaps of the same states, and through the approaches of a layer a quarter of
-the cell thick; the ratio is that of the sums over the path. Strong adhesion jumps at other loads under each control.
+paper's pressures, then to the same states under another control: their mean gaps, the approaches of a layer a quarter
+of the cell thick or of a half-space with free boundaries, or the far end of a spring a hundredth, once and a hundred
+times as stiff as the contact midway. The ratio is that of the sums over the path. Strong adhesion jumps at other loads
+under each control.
 
 ``--curve`` measures a force curve in place of that: a sphere with self-affine roughness on a half-space with free
 boundaries, from out of reach into contact and off again, in so many adaptive load steps at given approaches.
@@ -15,6 +17,7 @@ import argparse
 import sys
 import time
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 
@@ -29,6 +32,8 @@ from scripts.benchmark_adhesive import PRESSURES, one_case
 from scripts.harness import PAPER, Option, program, rough_surface, show, walk
 
 THICKNESS = 0.25  # of the layer, over the cell
+SPRINGS = {"soft spring": 0.01, "matched spring": 1.0, "stiff spring": 100.0}  # over the contact's midway
+CONTROLS = {"periodic": ("gap", "approach", *SPRINGS), "free": ("approach", *SPRINGS)}
 # Radius, cell, E*, work of adhesion, range and rms roughness of the sphere's curve, and its ends (SI).
 RADIUS, CELL, MODULUS, WORK, RANGE, ROUGHNESS = 1e-6, 0.4e-6, 3e9, 0.05, 3e-9, 0.5e-9
 OUT, IN, OFF = -2e-9, 6e-9, -12e-9
@@ -36,23 +41,30 @@ LEAST_STEP = 1e-3  # over the longer way
 NOISE = 1e-6  # of the work of a step, over the work of adhesion
 
 
-def position(found: Solution, control: str, solid: Elasticity, top: float) -> float:
-    """The gap or the approach of a state at a given pressure (m)."""
+def position(found: Solution, control: str, solid: Elasticity, top: float, compliance: float) -> float:
+    """The gap of a state at a given pressure, or its approach behind a spring of a compliance per area (m)."""
     if control == "gap":
         return found.mean_gap
-    plane = float(found.displacement.mean()) - solid.compression(float(found.pressure.mean()))
-    return top + found.law.equilibrium_distance - plane
+    pressure, plane = float(found.pressure.mean()), found.plane
+    if plane is None:
+        plane = float(found.displacement.mean()) - solid.compression(pressure)
+    return top + found.law.equilibrium_distance - plane + pressure * compliance
 
 
-def pairs_by_control(case: Case, control: str) -> tuple[list[float], list[float]]:
+def pairs_by_control(case: Case, boundary: str, control: str) -> tuple[list[float], list[float]]:
     """Pairs of each step at given pressures, and at the gaps or approaches of their states."""
     surface, modulus = realise(case), case.material.contact_modulus
     layer = Layer(modulus, case.material.poissons_ratio, THICKNESS * max(surface.size))
-    solid = layer if control == "approach" else HalfSpace(modulus)
-    given = surface.sampled, surface.grid, solid, case.law
-    pressed = list(walk(contact_between(*given), PRESSURES))
-    targets = [position(each, control, solid, float(surface.sampled.max())) for each in pressed]
-    moved = list(walk(contact_between(*given, control=control), targets))
+    solid = layer if boundary == "periodic" and control == "approach" else HalfSpace(modulus)
+    given = surface.sampled, surface.grid, solid, case.law, boundary
+    contact = contact_between(*given)
+    pressed = list(walk(contact, PRESSURES))
+    compliance = 0.0
+    if control in SPRINGS:
+        compliance = 1 / (SPRINGS[control] * contact.stiffness(pressed[len(pressed) // 2]))
+    targets = [position(each, control, solid, float(surface.sampled.max()), compliance) for each in pressed]
+    kind = "gap" if control == "gap" else "approach"
+    moved = list(walk(contact_between(*given, control=kind, machine_compliance=compliance), targets))
     if not all(each.converged for each in (*pressed, *moved)):
         raise RuntimeError("a load step did not converge")
     return [each.fft_pairs for each in pressed], [each.fft_pairs for each in moved]
@@ -60,14 +72,13 @@ def pairs_by_control(case: Case, control: str) -> tuple[list[float], list[float]
 
 def rows(given: argparse.Namespace) -> Iterator[tuple[object, ...]]:
     """Lines of the table of controls."""
-    for points in given.points:
-        for ratio in given.ratios:
-            cases = [one_case(PAPER, points, seed, ratio) for seed in range(1, given.surfaces + 1)]
-            for control in ("gap", "approach"):
-                found = [pairs_by_control(case, control) for case in cases]
-                pressed, moved = (np.array(part) for part in zip(*found, strict=True))
-                medians = (f"{np.median(part):.0f}" for part in (pressed, moved))
-                yield f"{points}²", f"{ratio:g} ε₀", control, *medians, f"{moved.sum() / pressed.sum():.2f}"
+    for points, ratio in product(given.points, given.ratios):
+        cases = [one_case(PAPER, points, seed, ratio) for seed in range(1, given.surfaces + 1)]
+        for boundary, control in ((name, each) for name in CONTROLS for each in CONTROLS[name]):
+            found = [pairs_by_control(case, boundary, control) for case in cases]
+            pressed, moved = (np.array(part) for part in zip(*found, strict=True))
+            medians = (f"{np.median(part):.0f}" for part in (pressed, moved))
+            yield f"{points}²", boundary, f"{ratio:g} ε₀", control, *medians, f"{moved.sum() / pressed.sum():.2f}"
 
 
 def curve(points: int, steps: int) -> tuple[object, ...]:
@@ -99,7 +110,7 @@ def run(given: argparse.Namespace) -> None:
         names = ("points", "Tabor parameter", "load steps", "pairs", "s", "pull-off force / (3/2)πRw")
         show(names, (curve(points, given.curve) for points in given.points))
     else:
-        show(("points", "adhesion", "control", "pairs at a pressure", "pairs at it", "ratio"), rows(given))
+        show(("points", "boundary", "adhesion", "control", "pairs at a pressure", "pairs at it", "ratio"), rows(given))
 
 
 main = program(
