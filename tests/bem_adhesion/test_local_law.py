@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import contact_study
@@ -15,6 +16,8 @@ from contact_study.campaign.model import MODELS, check_study
 from contact_study.campaign.record import prepare_run
 from contact_study.numerics.grid import Grid
 from contact_study.study.study import make_study
+from scripts import validate_plasticity
+from scripts.harness import ROOT
 from tests.bem_adhesion.paper_system import E_STAR, R0, approach_of, law, self_affine, stepped, study_table
 from tests.laws_of_all_kinds import ADHESIVE, EVERY_LAW, TABLE_GAPS, TABLE_TRACTIONS
 
@@ -375,3 +378,11 @@ def test_patches_cover_their_share():
         assert strong.mean() == pytest.approx(share, abs=1e-12)
         assert work[strong][0] / work[~strong][0] == pytest.approx(3, rel=1e-12)
         assert np.abs(np.fft.rfft2(strong))[modes[0], modes[1]] > 10
+
+
+def test_yielding_states_are_those_of_the_code_adhesion():
+    table = pd.read_csv(ROOT / "data" / "adhesion_plastic.csv")
+    found = np.array(list(validate_plasticity.ours(table.pressure.values)))
+    # Six digits are kept, of pressures too: near the hardness an indentation changes twenty times as much.
+    np.testing.assert_allclose(found, table[["mean_gap", "yielded", "indentation"]], rtol=1e-4, atol=1e-6)
+    assert found[-1, 1] > 0.7
