@@ -82,7 +82,7 @@ def test_a_fast_loop_jumps_as_the_instantaneous_solid_does():
 def test_a_slow_loop_loses_viscously_what_the_relaxed_solid_loses_in_jumps():
     """The way from a fold to the next branch takes relaxation times, so no jump is left; energies fix the loss."""
     given = {"path": PATH, "length": 6e-9}
-    found, soft = run(WAVE, BEND, 3 * BEND, duration=1e3, **given), run(WAVE, BEND, **given, resolution=0.002)
+    found, soft = run(WAVE, BEND, 3 * BEND, duration=1e3, **given), run(WAVE, BEND, **given, resolution=0.001)
     assert last(found, "dissipated_energy") < 1e-3 * last(soft, "dissipated_energy")
     # What is lost on the branches between, by the rate of the load: 1 % at ten times the duration.
     assert last(found, "viscous_dissipation") == pytest.approx(last(soft, "dissipated_energy"), rel=0.05)

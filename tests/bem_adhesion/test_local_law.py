@@ -298,12 +298,13 @@ def test_a_path_with_jumps_and_yielding_accounts_for_its_work():
     stored = found.elastic_energy + found.interaction_energy + found.plastic_work
     assert energy[-1] == pytest.approx(float(stored[-1]), rel=1e-12)
     lost, unsure = (float(found[f"dissipated_energy{end}"][-1]) for end in ("", "_resolution_error"))
-    assert lost > 0.3 * float(found.plastic_work[-1]), "there are jumps"
+    assert lost > 0.2 * float(found.plastic_work[-1]), "there are jumps"
     assert unsure < float(found.plastic_work[-1]) / 4, "and what is not known of them is less than what has yielded"
     assert work == pytest.approx(float(stored[-1] - stored[0]) + lost, abs=unsure)
     turn = np.argmin(separation)
     balance = turn + np.argmax(pressure[turn:] < 0)
-    outwards = -np.trapezoid(pressure[balance:], separation[balance:])
+    at_zero = np.interp(0.0, -pressure[[balance - 1, balance]], separation[[balance - 1, balance]])
+    outwards = -np.trapezoid([0.0, *pressure[balance:]], [at_zero, *separation[balance:]])
     # The trapezoid has half of each jump's step, as the result's error says.
     error = float(found.work_of_separation_resolution_error)
     assert float(found.work_of_separation) == pytest.approx(outwards, abs=error + 0.02)
