@@ -35,6 +35,8 @@ def run(given: argparse.Namespace) -> int:
     declared = sections.get(name)
     if declared is None or (only and only not in keys_of(declared)):
         known = [*sections, *(f"{section}.{key}" for section, key, *_ in all_keys())]
+        # A key of several sections, without its own, is most likely that of the first.
+        known = [one for one in known if one.partition(".")[2] == given.section][:1] or known
         raise InputError(f"unknown section {given.section}{suggestion(given.section, known)}; see bem-adhesion keys")
     title, tagged, inherited = f"[{name}]", {}, getattr(declared, "inherited", ())
     if isinstance(declared, TaggedUnion) and given.kind is not None:
