@@ -42,13 +42,13 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="FILE", help="png, pdf or svg to write; default: FILE.PICTURE.png")
     add_selection(parser)
     of_force = parser.add_argument_group("options of the picture force")
-    words = "measured force curves: text with units, or a microscope's files"
+    words = "measured force curves, as text or of a microscope"
     of_force.add_argument("--measured", nargs="+", type=Path, default=[], metavar="FILE", help=words)
-    words = "how to read them, such as positive_force=tension; docs/howto_force_curves.md"
+    words = "how to read them, such as positive_force=tension"
     of_force.add_argument("--reading", action="append", default=[], metavar="KEY=VALUE", help=words)
     words = "theories of a smooth sphere: hertz, jkr, dmt, maugis"
     of_force.add_argument("--theory", nargs="+", default=[], metavar="NAME", help=words)
-    of_force.add_argument("--against", metavar="NAME", help="displacement (default), contact_radius or approach")
+    of_force.add_argument("--against", metavar="NAME", help="displacement (default), contact_radius, approach")
 
 
 def run(given: argparse.Namespace) -> int:
