@@ -121,7 +121,7 @@ def path_in_time(
         state, now = restart["state"], TimeState(*restart["moment"].tolist())
         ledger = EnergyLedger(*restart["account"].tolist()) if case.least_step else ledger
         pressure = float(restart.get("held", 0.0))
-    for number, duration in list(enumerate(case.durations(origin)))[start:]:
+    for number, duration in list(enumerate(case.loading.times(origin)))[start:]:
         target, before = case.path[number][0], case.path[number - 1][0] if number else origin
         ramp, trigger = ramp_to(case, number, Ramp(now.position, target, duration), before, pressure, shortest)
         further: dict[str, float] = {}

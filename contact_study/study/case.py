@@ -23,8 +23,8 @@ from contact_study.study.schema.adhesion_map import AdhesionMapSection
 from contact_study.study.schema.bodies import composed
 from contact_study.study.schema.elasticity import ElasticitySection
 from contact_study.study.schema.form import FormSection
-from contact_study.study.schema.history import times_between
 from contact_study.study.schema.interaction import InteractionSection
+from contact_study.study.schema.loading import LoadingSection
 from contact_study.study.schema.surface import SurfaceSection
 
 # The least step of a gap or approach is the resolution times so many lengths of the law, by default a twentieth of one.
@@ -48,7 +48,7 @@ class Case:
     elasticity: ElasticitySection
     interaction: InteractionSection
     adhesion_map: AdhesionMapSection
-    loading: sections.LoadingSection
+    loading: LoadingSection
     solver: sections.SolverSection
     atomistic: sections.AtomisticSection
     overdamped: sections.OverdampedSection
@@ -148,10 +148,6 @@ class Case:
         """The roughness spectra that theories are fed with, the first one under their own names."""
         own = ("surface",) if self.geometry.target_spectrum is None else ("surface", "analytic")
         return self.theory.spectra or own
-
-    def durations(self, origin: float = 0.0) -> list[float]:
-        """Time to each point of :attr:`path` from the one before it, the first from an origin of the load (s)."""
-        return times_between(self.loading, origin)
 
     @property
     def label(self) -> str:

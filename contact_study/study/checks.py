@@ -13,7 +13,7 @@ from contact_study.physics.roughness.statistics import Roughness, SelfAffineFit
 from contact_study.physics.solids import Measured, Viscoelastic, contact_modulus_of
 from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.study.case import Case
-from contact_study.study.schema.sections import LoadingSection
+from contact_study.study.schema.loading import LoadingSection
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 

@@ -22,7 +22,7 @@ def follow(study: Study) -> None:
     # Nothing deforms before surfaces are within reach: a path of gaps begins there.
     load = 0.0 if surfaces.control == "pressure" else contact.first_gap - case.law.equilibrium_distance
     for written, (target, _), duration in zip(
-        solve_path(case, study.surface), case.path, case.durations(), strict=True
+        solve_path(case, study.surface), case.path, case.loading.times(), strict=True
     ):
         steps = case.loading.time_steps
         step = duration / steps

@@ -29,7 +29,7 @@ def study(viscoelastic=True, **loading):
 
 def path_of(viscoelastic=True, **loading):
     (case,) = make_study(study(viscoelastic, **loading)).cases
-    return [value for value, _ in case.path], case.durations()
+    return [value for value, _ in case.path], case.loading.times()
 
 
 def loss_of_a_cycle(case, rate, mean, amplitude):

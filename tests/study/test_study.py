@@ -14,7 +14,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.lattice import lattice_of
 from contact_study.study.case import path_points, path_points_of
 from contact_study.study.schema.dotted_keys import bare_numbers
-from contact_study.study.schema.sections import LoadingSection
+from contact_study.study.schema.loading import LoadingSection
 from contact_study.study.study import make_study, read_study
 
 SURFACE = {"kind": "self_affine", "size": "1040 angstrom", "shape": [64, 64], "rms_height": "10 angstrom"}

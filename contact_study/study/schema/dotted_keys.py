@@ -12,6 +12,7 @@ from contact_study.study.schema.elasticity import ELASTICITIES
 from contact_study.study.schema.form import FORMS
 from contact_study.study.schema.interaction import INTERACTIONS
 from contact_study.study.schema.keys import Key, TaggedUnion, default_of, keys_of, listed, replacement
+from contact_study.study.schema.loading import LoadingSection
 from contact_study.study.schema.surface import SURFACES
 
 SECTIONS: dict[str, type | TaggedUnion] = {
@@ -23,7 +24,7 @@ SECTIONS: dict[str, type | TaggedUnion] = {
     "elasticity": ELASTICITIES,
     "interaction": INTERACTIONS,
     "adhesion_map": ADHESION_MAPS,
-    "loading": sections.LoadingSection,
+    "loading": LoadingSection,
     "solver": sections.SolverSection,
     "atomistic": sections.AtomisticSection,
     "overdamped": sections.OverdampedSection,
@@ -112,7 +113,7 @@ def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
             item.pop(dotted, None)
 
 
-def bare_numbers(table: Mapping[str, Any], loading: sections.LoadingSection) -> tuple[str, ...]:
+def bare_numbers(table: Mapping[str, Any], loading: LoadingSection) -> tuple[str, ...]:
     """A line on the keys of a checked study file whose numbers are taken in SI for want of a unit, if there are."""
     given = [(f"{section}.{name}", value) for section in SECTIONS for name, value in table.get(section, {}).items()]
     for part in (table.get("sweep", {}), *table.get("override", [])):

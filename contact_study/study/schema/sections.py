@@ -1,14 +1,12 @@
 """The sections of a study file: every key with its unit, default and meaning, in SI once bound."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from contact_study.inputs.errors import InputError
-from contact_study.inputs.units import is_a, unit_of
 from contact_study.physics.roughness.spectrum import TabulatedSpectrum
 from contact_study.study.schema import keys
-from contact_study.study.schema.history import HISTORIES, OF_CYCLES, check_history, cycle
 from contact_study.study.schema.keys import (
     FACTOR,
     FLAG,
@@ -18,7 +16,6 @@ from contact_study.study.schema.keys import (
     SHARE,
     TEXT,
     choice,
-    default_of,
     key,
     quantity,
 )
@@ -72,95 +69,6 @@ class MaterialSection:
         """1/E* = 1/E*₁ + 1/E*₂ of two half-spaces without friction, the first of a modulus (Pa)."""
         other = self.counter_modulus
         return modulus if other is None else 1 / (1 / modulus + 1 / other)
-
-
-@dataclass(frozen=True)
-class LoadingSection:
-    """The loading path, from separation, in the order given."""
-
-    path: tuple[float, ...] = key(
-        keys.sequence((lambda value, name: value, "pressures or gaps")),
-        "pressures (Pa), forces (with unit, N), mean gaps above equilibrium or approaches (m)",
-    )
-    control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
-    unload: bool = key(FLAG, "go back through the path after its last point", False)
-    adaptive: bool = key(FLAG, "adaptive load steps: refine where the contact is unstable (continuum, adhesion)", False)
-    resolution: float = key(
-        SHARE, "least adaptive step over the largest value of the path, or over 5 lengths of the law", 0.01
-    )
-    duration: float | tuple[float, ...] | None = key(
-        keys.one_or_several(SECONDS),
-        "time to each point of the path from the previous one, or a list (viscoelastic)",
-        None,
-    )
-    machine_stiffness: float | None = key(
-        quantity("N/m", positive=True),
-        "stiffness of cantilever or machine in series with the body (approach; default rigid)",
-        None,
-    )
-    trigger_force: float | None = key(
-        quantity("N", positive=True), "force at which the way in ends, before larger approaches of the path", None
-    )
-    time_steps: int = key(keys.integer(1, 1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1)
-    speed: float | tuple[float, ...] | None = key(
-        keys.one_or_several((lambda value, name: value, "Pa/s, N/s or m/s")),
-        "change of the load to each point per time, in place of duration; or a list (viscoelastic)",
-        None,
-    )
-    history: str = key(choice(*HISTORIES), "path as given, or cycles about its last point after it", "points")
-    amplitude: float | None = key(
-        (lambda value, name: value, "Pa, N or m"), "amplitude of the cycles of history, upwards first", None
-    )
-    period: float | None = key(SECONDS, "time of a cycle of history (viscoelastic)", None)
-    cycles: int = key(keys.integer(1, 1_000_000), "number of the cycles of history", 1)
-    points_per_cycle: int = key(keys.integer(4, 1_000_000), "points of a cycle; the load is linear between them", 32)
-    given: int = field(init=False, repr=False, compare=False)  # number of the points before the cycles
-    has_forces: bool = field(init=False, repr=False, compare=False)  # a path of forces (N), before :meth:`spread`
-    # Name, and size in SI, of the unit that the path's first point is written in: to speak to the user in it.
-    unit: tuple[str, float] = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self):
-        si = "m" if self.control != "pressure" else "N" if is_a(self.path[0], "N") else "Pa"
-        read = quantity(si)[0]
-        values = tuple(read(value, f"loading.path[{i}]") for i, value in enumerate(self.path))
-        with_unit = [isinstance(value, str) for value in self.path]
-        if any(with_unit) and not all(with_unit):  # a forgotten unit is likelier than a number of pascals meant
-            bare = self.path[with_unit.index(False)]
-            raise InputError(f"loading.path: mixes values with a unit and bare numbers; give {bare!r} its unit, too")
-        unit = unit_of(str(self.path[0])) if all(with_unit) else si
-        self.__dict__.update(path=values, has_forces=si == "N", unit=(unit, read(f"1 {unit}", "loading.path")))
-        positive, rate = quantity(si, positive=True)[0], quantity(f"{si}/s", positive=True)[0]
-        amplitude = None if self.amplitude is None else positive(self.amplitude, "loading.amplitude")
-        speed = self.speed
-        if isinstance(speed, tuple):
-            speed = tuple(rate(value, f"loading.speed[{i}]") for i, value in enumerate(speed))
-        elif speed is not None:
-            speed = rate(speed, "loading.speed")
-        self.__dict__.update(amplitude=amplitude, speed=speed, given=len(values))
-        check_history(self, [default_of(LoadingSection, name) for name in OF_CYCLES])
-        if amplitude is not None:
-            one = cycle(self.history, self.points_per_cycle)
-            self.__dict__["path"] += tuple(values[-1] + amplitude * share for share in one) * self.cycles
-
-    def unit_of_key(self, name: str) -> str | None:
-        """SI unit of a key's numbers, by what the path prescribes; None for keys that always have the same."""
-        load = "m" if self.control != "pressure" else "N" if is_a(f"1 {self.unit[0]}", "N") else "Pa"
-        return {"path": load, "amplitude": load, "speed": f"{load}/s"}.get(name)
-
-    def spread(self, area: float) -> "LoadingSection":
-        """The same with mean pressures on an area (m²) in place of forces."""
-        speed = self.speed
-        if speed is not None:
-            speed = tuple(rate / area for rate in speed) if isinstance(speed, tuple) else speed / area
-        found = replace(
-            self,
-            path=tuple(force / area for force in self.path[: self.given]),
-            amplitude=self.amplitude and self.amplitude / area,
-            speed=speed,
-        )
-        name, size = self.unit
-        found.__dict__["unit"] = name, size / area
-        return found
 
 
 @dataclass(frozen=True)
