@@ -18,7 +18,7 @@ from contact_study.campaign.run import RunOptions, run_campaign
 from contact_study.campaign.store.files import check_inputs_kept, named_file
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.arguments import field
-from contact_study.study.schema.bodies import ADDED_SECTIONS
+from contact_study.study.schema.bodies import ROUGH_SECTIONS
 from contact_study.study.study import Study, make_study, read_study, with_keys
 
 _HEIGHTS = "heights.npy"
@@ -126,7 +126,7 @@ def _study(study: Mapping[str, Any] | str | Path, folder: Path) -> Study:
     study = with_keys(study)
     given = {
         name: _saved(name, section, folder)
-        for name in ("surface", *ADDED_SECTIONS)
+        for name in ROUGH_SECTIONS
         if isinstance(section := study.get(name), Mapping) and "heights" in section
     }
     return make_study(_plain({**study, **given}), folder) if given else make_study(_plain(study))

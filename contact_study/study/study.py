@@ -27,13 +27,14 @@ from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.physics.surfaces.surface import SurfaceScales
 from contact_study.study import sweep
 from contact_study.study.case import Case
+from contact_study.study.schema.absent_surface import AbsentSurface
 from contact_study.study.schema.bodies import ADDED_SECTIONS, bind_added, composed
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, bare_numbers, is_sweep, replace_keys
 from contact_study.study.schema.elasticity import ELASTICITIES, importable
 from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH, InteractionSection
 from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
 from contact_study.study.schema.sections import POISSONS_RATIO
-from contact_study.study.schema.surface import AbsentSurface, SurfaceSection
+from contact_study.study.schema.surface import SurfaceSection
 from contact_study.study.tables import TABLE, with_columns, with_drawn_spectra, with_spectrum
 
 

@@ -12,14 +12,13 @@ from contact_study.inputs import units
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
 from contact_study.physics.roughness.spectrum import TabulatedSpectrum
-from contact_study.study.schema.bodies import ADDED_SECTIONS
+from contact_study.study.schema.bodies import ROUGH_SECTIONS
 
 _SHOWN = 40  # letters of a line in a message
 FILE, TABLE = "file", "table"
 _KEY, _UNIT_KEYS = "spectrum_path", ("wavevector_unit", "density_unit")
 _SI, _NAMES = ("m^-1", "m^4"), ("wavevector", "power")
 
-_ROUGH = ("surface", *ADDED_SECTIONS)
 _OWN = "power_spectrum"  # the spectrum of a surface in this project's own datasets
 _MOST = 20_000  # more rows than any average over directions has; a study holds them all
 _ROUNDING = 1e-20  # of the largest power: what a transform leaves of waves that a surface does not have
@@ -138,7 +137,7 @@ def with_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
 def with_drawn_spectra(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
     """A study with the numbers of the files that ``spectrum_path`` of a surface names."""
     changed = dict(table)
-    for name in ("surface", "detail", "counterface"):
+    for name in ROUGH_SECTIONS:
         section = table.get(name, {})
         if section.get("kind") == "spectrum" and isinstance(section.get(_KEY), str):
             changed[name] = _with_numbers(section, name, directory)
@@ -194,7 +193,7 @@ def _columns(path: Path, key: str, given: Sequence[Any]) -> tuple[np.ndarray, np
 def _factor(where: str, name: str, key: str, own: str | None, asked: Any, si: str) -> float:
     """Size of a column's unit in SI."""
     if own is None and asked is None:
-        section = where.partition(".")[0] if where.startswith(_ROUGH) else "theory"
+        section = where.partition(".")[0] if where.startswith(ROUGH_SECTIONS) else "theory"
         raise InputError(
             f'{where} does not say the unit of its {name}; give a header, "q (1/m), C (m^4)", or {section}.{key}'
         )

@@ -15,14 +15,14 @@ from contact_study.campaign.store.files import require_dataset
 from contact_study.inputs.errors import InputError
 from contact_study.results.state import usable
 from contact_study.study.case import Case, path_points, path_points_of
-from contact_study.study.schema.bodies import ADDED_SECTIONS
+from contact_study.study.schema.bodies import ROUGH_SECTIONS
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.study import Study
 
 # Sections that define a contact, and their keys that do not: each model has its own grid, a height map counts by its
 # content, and no gap field depends on the lattice or the contact distance.
-_GEOMETRY = ("surface", "form", *ADDED_SECTIONS)
+_GEOMETRY = ("form", *ROUGH_SECTIONS)
 _CONTACT = (*_GEOMETRY, "material", "elasticity", "interaction", "adhesion_map")
 _NO_CONTACT = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
 # Keys that the work of adhesion stands for.

@@ -31,6 +31,7 @@ NOTHING = AddedSection()
 ADDED = TaggedUnion("kind", {"none": AddedSection, **SURFACES.declared}, inherited=("size", "shape", "seed"))
 SURFACES.followers.append(ADDED)
 ADDED_SECTIONS = ("detail", "counterface")
+ROUGH_SECTIONS = ("surface", *ADDED_SECTIONS)
 
 
 def bind_added(table: Mapping[str, Any], name: str, surface: SurfaceSection) -> Any:

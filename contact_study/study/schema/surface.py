@@ -363,41 +363,6 @@ class Flat(CellSection):
         return SurfaceScales(self.size, self.shape, 0.0, 0.0, 0.0, float("inf"))
 
 
-@dataclass(frozen=True)
-class SpectrumOnly(Surface):
-    """A spectrum in place of heights; its cell holds the longest wave once and its grid carries the shortest."""
-
-    def heights(self, shape: tuple[int, int]) -> np.ndarray:
-        """Raise InputError: there are none."""
-        raise InputError("missing key surface.kind: the study has a roughness spectrum only, no surface")
-
-
-@dataclass(frozen=True, kw_only=True)
-class AbsentSurface(SurfaceSection):
-    """The surface of a study without ``[surface]``, whose theories take the spectrum of ``[theory]``."""
-
-    words = "no surface: a roughness spectrum"
-    height_key = "theory.density"
-    periodic = False
-    absent = True
-
-    kind: str = key(TEXT, "geometry of the rigid surface", "none")
-    wavevectors: tuple[float, ...]
-    density: tuple[float, ...]
-
-    def realise(self, directory: Path) -> SpectrumOnly:
-        scales = self.scales(directory)
-        return SpectrumOnly(scales.size, scales.shape, None)
-
-    def scales(self, directory: Path) -> SurfaceScales:
-        table = TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
-        longest, shortest = (2 * np.pi / q for q in table.limits)
-        height, slope = float(np.sqrt(table.mean_square_height)), table.rms_slope
-        points = 2 * int(np.ceil(longest / shortest)) + 2
-        peak = made.gaussian_peak_to_valley(height, slope, longest**2)
-        return SurfaceScales((longest, longest), (points, points), height, slope, peak, shortest, table)
-
-
 SURFACES = keys.TaggedUnion(
     "kind",
     {
