@@ -8,9 +8,9 @@ import numpy as np
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics import adhesion_maps
-from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
 from contact_study.study.schema import keys
 from contact_study.study.schema.keys import FACTOR, SHARE, TEXT, integer, key, pair, quantity
+from contact_study.study.schema.modes import Modes, check_carried, check_modes, spectrum_of_modes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,22 +67,15 @@ class RandomAdhesion(AdhesionMapSection):
     seed: int = key(integer(0), "random realisation", 1)
 
     def __post_init__(self):
-        if not self.low_mode <= self.roll_off_mode <= self.cutoff_mode or self.low_mode == self.cutoff_mode:
-            raise InputError(
-                f"adhesion_map.low_mode = {self.low_mode:g}, roll_off_mode = {self.roll_off_mode:g}, "
-                f"cutoff_mode = {self.cutoff_mode:g}: must not decrease, and the last must exceed the first"
-            )
+        check_modes("adhesion_map", self._modes)
+
+    @property
+    def _modes(self) -> Modes:
+        return self.low_mode, self.roll_off_mode, self.cutoff_mode
 
     def factors(self, grid: Grid, directory: Path) -> np.ndarray:
-        longest = max(grid.size)
-        for points, size in zip(grid.shape, grid.size, strict=True):
-            if 2 * self.cutoff_mode * size / longest >= points:
-                raise InputError(
-                    f"adhesion_map.cutoff_mode = {self.cutoff_mode:g}: beyond what surface.shape = {list(grid.shape)} "
-                    "can carry; use a smaller mode or more points"
-                )
-        waves = (mode * 2 * np.pi / longest for mode in (self.low_mode, self.roll_off_mode, self.cutoff_mode))
-        spectrum = SelfAffineSpectrum(self.hurst_exponent, 1.0, *waves)
+        check_carried("adhesion_map", self.cutoff_mode, grid.size, grid.shape)
+        spectrum = spectrum_of_modes(self.hurst_exponent, 1.0, self._modes, grid.size)
         return adhesion_maps.log_normal(grid, spectrum, self.relative_rms, self.seed)
 
 

@@ -17,6 +17,7 @@ from contact_study.physics.surfaces import surface as made
 from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface, SurfaceScales, spectrum_of_waves
 from contact_study.study.schema import keys
 from contact_study.study.schema.keys import ANGLE, FACTOR, METRES, OFFSET, TEXT, choice, integer, key, pair, quantity
+from contact_study.study.schema.modes import Modes, check_carried, check_modes, spectrum_of_modes
 
 _POINTS = pair(integer(4, 2**31 - 1))
 _SIZE = pair(METRES, broadcast=True), "lateral periods (a height map may bring its own)"
@@ -110,26 +111,16 @@ class SelfAffine(CellSection):
     )
 
     def __post_init__(self):
-        if not self.low_mode <= self.roll_off_mode <= self.cutoff_mode or self.low_mode == self.cutoff_mode:
-            raise InputError(
-                f"surface.low_mode = {self.low_mode:g}, roll_off_mode = {self.roll_off_mode:g}, "
-                f"cutoff_mode = {self.cutoff_mode:g}: must not decrease, and the last must exceed the first"
-            )
-        # Modes count waves on the longest side; every axis must resolve that wavevector below its Nyquist mode.
-        longest = max(self.size)
-        for points, size in zip(self.shape, self.size, strict=True):
-            highest = self.cutoff_mode * size / longest
-            if 2 * highest >= points:
-                raise InputError(
-                    f"surface.cutoff_mode = {self.cutoff_mode:g}: beyond what surface.shape = {list(self.shape)} can "
-                    f"carry; use more than {int(2 * highest)} points or a smaller mode"
-                )
+        check_modes("surface", self._modes)
+        check_carried("surface", self.cutoff_mode, self.size, self.shape)
+
+    @property
+    def _modes(self) -> Modes:
+        return self.low_mode, self.roll_off_mode, self.cutoff_mode
 
     @cached_property
     def target_spectrum(self) -> SelfAffineSpectrum:
-        modes = (self.low_mode, self.roll_off_mode, self.cutoff_mode)
-        waves = (mode * (2 * np.pi / max(self.size)) for mode in modes)
-        return SelfAffineSpectrum(self.hurst_exponent, self.rms_height, *waves)
+        return spectrum_of_modes(self.hurst_exponent, self.rms_height, self._modes, self.size)
 
     def realise(self, directory: Path) -> Surface:
         exact = self.normalisation == "realised"
