@@ -152,7 +152,9 @@ class Case:
     @property
     def label(self) -> str:
         """Coordinates for progress and messages."""
-        return ", ".join(f"{name} = {value}" for name, value in self.coordinates.items())
+        given = self.coordinates.items()
+        # The conversion of a unit leaves a rounding.
+        return ", ".join(f"{name} = {float(f'{v:.12g}') if isinstance(v, float) else v}" for name, v in given)
 
     @cached_property
     def kept_fields(self) -> frozenset[int]:

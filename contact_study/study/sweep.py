@@ -116,7 +116,14 @@ def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> Swe
     unit = declaration.unit
     if section == "loading" and numbers:
         unit = cases[0].loading.unit_of_key(name) or unit
-    return SweptKey(values, (unit or "1").replace("J/m^2", "J m-2").replace("N/m", "N m-1"), declaration.description)
+    return SweptKey(values, _as_in_datasets(unit or "1"), declaration.description)
+
+
+def _as_in_datasets(unit: str) -> str:
+    """Spell a key's unit as the conventions do: J/m^2 is J m-2."""
+    above, _, below = unit.partition("/")
+    name, _, power = below.partition("^")
+    return f"{above} {name}-{power or 1}" if below else unit
 
 
 def coordinates_of(point: dict[str, Any]) -> dict[str, Any]:
