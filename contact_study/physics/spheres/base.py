@@ -2,7 +2,8 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import dataclass, fields
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,15 @@ from contact_study.numerics.arguments import finite
 Number = float | np.ndarray
 _DENSE = 20_001  # states on the whole curve, of which those shown are chosen
 _EXACT = 4e-16
+
+
+def check(least: Number | None = None, **numbers: Number) -> None:
+    """Refuse numbers that are not finite, or not positive, or less than something if that is given."""
+    for name, value in numbers.items():
+        given = np.asarray(value, dtype=float)
+        if not np.all(np.isfinite(given) & (given > 0 if least is None else given >= least)):
+            bound = "positive" if least is None else f"at least {float(np.min(least)):g}"
+            raise ValueError(f"{name} = {value!r}: must be finite and {bound}")
 
 
 class SphereCurve(NamedTuple):
@@ -34,8 +44,14 @@ class SphereCurve(NamedTuple):
     held: np.ndarray
 
 
+@dataclass(frozen=True)
 class SphereTheory(ABC):
     """A smooth sphere on a half-space after one theory; a subclass gives the states along a coordinate of the curve.
+
+    Parameters
+    ----------
+    radius, contact_modulus : float
+        Radius R (m) and contact modulus E* (Pa), positive as all constants of a subclass.
 
     Examples
     --------
@@ -45,7 +61,12 @@ class SphereTheory(ABC):
     ['-2.36e-07', '-3.14e-07']
     """
 
-    _start: float  # coordinate of the loosest state
+    radius: float
+    contact_modulus: float
+    _start: ClassVar[float] = 0.0  # coordinate of the loosest state
+
+    def __post_init__(self) -> None:
+        check(**{one.name: getattr(self, one.name) for one in fields(self)})
 
     @abstractmethod
     def states(self, coordinate: Number) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -140,11 +161,12 @@ class SphereTheory(ABC):
         if points < 2:
             raise ValueError(f"points = {points!r}: a curve has at least 2")
         end = self._coordinate("force", 0, largest_force)
-        found = np.array(self.states(np.linspace(self._start, end, _DENSE)))
+        places = np.linspace(self._start, end, _DENSE)
+        found = np.array(self.states(places))
         spans = np.ptp(found[:2], axis=1)
         along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(found[:2]) / spans[:, None], axis=0))])
         shown = np.unique(np.searchsorted(along, np.linspace(0.0, along[-1], points)).clip(max=_DENSE - 1))
-        held = np.arange(_DENSE) >= np.searchsorted(np.linspace(self._start, end, _DENSE), self._fold(1))
+        held = np.arange(_DENSE) >= np.searchsorted(places, self._fold(1))
         force, displacement, radius = found[:, shown]
         return SphereCurve(force, displacement, radius, held[shown])
 

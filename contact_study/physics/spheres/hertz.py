@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact_study.physics.spheres.base import Number, SphereTheory
-from contact_study.physics.spheres.numbers import check
+from contact_study.physics.spheres.base import Number, SphereTheory, check
 
 
 def hertz_force(contact_radius: Number, radius: Number, contact_modulus: Number) -> Number:
@@ -52,13 +51,6 @@ class Hertz(SphereTheory):
     >>> f"{Hertz(1e-6, 0.75e9).at_force(1e-6)[1]:.3g}"
     '1e-08'
     """
-
-    radius: float
-    contact_modulus: float
-    _start = 0.0
-
-    def __post_init__(self) -> None:
-        check(radius=self.radius, contact_modulus=self.contact_modulus)
 
     def states(self, coordinate: Number) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         # The coordinate is the contact radius over that of the sphere.

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact_study.physics.spheres.base import Number, SphereTheory
+from contact_study.physics.spheres.base import Number, SphereTheory, check
 from contact_study.physics.spheres.hertz import hertz_force
-from contact_study.physics.spheres.numbers import check
 
 
 def jkr_contact_radius(force: Number, radius: Number, contact_modulus: Number, work_of_adhesion: Number) -> Number:
@@ -60,14 +59,7 @@ class JKR(SphereTheory):
     '-2.356e-07'
     """
 
-    radius: float
-    contact_modulus: float
     work_of_adhesion: float
-    _start = 0.0
-
-    def __post_init__(self) -> None:
-        constants = {"contact_modulus": self.contact_modulus, "work_of_adhesion": self.work_of_adhesion}
-        check(radius=self.radius, **constants)
 
     def states(self, coordinate: Number) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         # The coordinate is the contact radius over that without load.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact_study.physics.spheres.base import Number, SphereTheory
-from contact_study.physics.spheres.numbers import check, maugis_parameter
+from contact_study.physics.spheres.base import Number, SphereTheory, check
+from contact_study.physics.spheres.numbers import maugis_parameter
 
 _THIN = 1e-2  # √(m² − 1) below which differences of nearly equal numbers are series
 _WIDEST = 9.0  # ln(m − 1) at which the contact is taken for a point: its area is 1e-8 of the zone's
@@ -74,15 +74,9 @@ class MaugisDugdale(SphereTheory):
     '4.590, -2.368e-07'
     """
 
-    radius: float
-    contact_modulus: float
     work_of_adhesion: float
     strength: float
     _start = -_WIDEST - 1
-
-    def __post_init__(self) -> None:
-        constants = {"contact_modulus": self.contact_modulus, "work_of_adhesion": self.work_of_adhesion}
-        check(radius=self.radius, **constants, strength=self.strength)
 
     @classmethod
     def of_parameter(cls, parameter: float) -> "MaugisDugdale":

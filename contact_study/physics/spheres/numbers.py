@@ -5,7 +5,7 @@ D. Tabor, J. Colloid Interface Sci. 58, 2–13 (1977); D. Maugis, J. Colloid Int
 
 import numpy as np
 
-from contact_study.physics.spheres.base import Number
+from contact_study.physics.spheres.base import Number, check
 
 # Strength of the 9-3 law over w/z₀, z₀ its equilibrium distance.
 _STRENGTH_9_3 = 16 / (9 * np.sqrt(3))
@@ -89,12 +89,3 @@ def tabor_of_maugis(maugis_parameter: Number, relative_strength: Number = _STREN
     """
     check(maugis_parameter=maugis_parameter, relative_strength=relative_strength)
     return maugis_parameter / (_SCALE * relative_strength)
-
-
-def check(least: Number | None = None, **numbers: Number) -> None:
-    """Refuse numbers that are not finite, or not positive, or less than something if that is given."""
-    for name, value in numbers.items():
-        given = np.asarray(value, dtype=float)
-        if not np.all(np.isfinite(given) & (given > 0 if least is None else given >= least)):
-            bound = "positive" if least is None else f"at least {float(np.min(least)):g}"
-            raise ValueError(f"{name} = {value!r}: must be finite and {bound}")
