@@ -52,9 +52,8 @@ def isotropic_density(wavevectors: np.ndarray, profile: np.ndarray, variance: np
     measure = 2 * half * np.tile(weights, _PANELS) * np.exp(log_s)
     tail = power * np.maximum(log_s - log_q[-1], 0.0)
     found = target - np.log(2 * wavevectors)
-    for _ in range(
-        _MOST
-    ):  # C_1D at a q depends on C at larger ones alone: each step is right for one more from the end
+    # C_1D at a q depends on C at larger ones alone: each step is right for one more from the end.
+    for _ in range(_MOST):
         residual = target - np.log(np.sum(measure * np.exp(np.interp(log_s, log_q, found) + tail), axis=1))
         found = found + residual
         if np.abs(residual).max() < _PRECISE:
