@@ -16,6 +16,11 @@ _MANY = 30  # fractions, of which a tenth begins with 0, among which one does so
 class TableError(InputError):
     """A fault of a file of numbers, in words after its name, or around ``{path}``."""
 
+    def of_file(self, path: Path) -> str:
+        """The fault with the name of the file."""
+        words = str(self) if "{path}" in str(self) else f"{{path}} {self}"
+        return words.replace("{path}", str(path))
+
 
 def lines_of(path: Path) -> list[str]:
     """The lines of a text; instruments still write the micro sign in Latin-1."""
@@ -24,6 +29,11 @@ def lines_of(path: Path) -> list[str]:
         return content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
         return content.decode("latin-1").splitlines()
+
+
+def first_row(lines: Sequence[str]) -> int:
+    """Number of the first line that begins with a number, from 0; that of all lines without one."""
+    return next((number for number, line in enumerate(lines) if NUMBER.match(line)), len(lines))
 
 
 def numbers_of(lines: Sequence[str], commas_part: bool = False) -> np.ndarray:

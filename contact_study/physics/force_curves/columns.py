@@ -41,33 +41,27 @@ class RawCurve:
     baseline: bool = False  # whether the zero of its force is that of a detector, and not of the force
 
 
-def named(cell: str, unit: str = "") -> tuple[str, bool, str]:
-    """Quantity of a column, whether it is its uncertainty, and its SI unit with a factor: ``"1e-9 m"``.
+def named(cell: str, unit: str = "") -> tuple[str, bool, float, str]:
+    """Quantity of a column, whether it is its uncertainty, the factor of its numbers to SI, and the SI unit.
 
     The cell is a name with a unit, ``force (nN)``, ``force [nN]``, ``force / nN`` or ``force_nN``, or a name whose unit
     is given.
     """
     cell = cell.strip().strip("\"'").strip()
     if cell == LEFT_OUT:
-        return LEFT_OUT, False, ""
+        return LEFT_OUT, False, 1.0, ""
     found = _BRACKETED.fullmatch(cell) or _SLASHED.fullmatch(cell)
     # "height (measured)" names no unit.
     if found and (known := known_name(found["name"])) and not (unit and known_name(cell)):
-        return *known, _factor(cell, known[0], found["unit"])
+        return *known, *_factor(cell, known[0], found["unit"])
     if known := known_name(cell):
-        return *known, _factor(cell, known[0], unit)
+        return *known, *_factor(cell, known[0], unit)
     if (found := _JOINED.fullmatch(cell)) and (known := known_name(found["name"])):
-        return *known, _factor(cell, known[0], found["unit"])
+        return *known, *_factor(cell, known[0], found["unit"])
     raise TableError(
         f"{{path}} has an unknown column, {cell!r}; name it {', '.join(QUANTITIES)}, or {LEFT_OUT} to leave it out, "
         'as in columns = "displacement (nm), force (nN)"'
     )
-
-
-def in_si(values: np.ndarray, factor: str) -> tuple[np.ndarray, str]:
-    """Numbers of a column in the unit that :func:`named` gives, and that unit."""
-    size, _, unit = factor.partition(" ")
-    return values * float(size), unit
 
 
 def known_name(name: str) -> tuple[str, bool] | None:
@@ -77,16 +71,16 @@ def known_name(name: str) -> tuple[str, bool] | None:
     return (_NAMES[certain], certain != plain) if certain in _NAMES else None
 
 
-def _factor(cell: str, known: str, unit: str) -> str:
+def _factor(cell: str, known: str, unit: str) -> tuple[float, str]:
     kinds = QUANTITIES[known][0]
     if kinds == ("1",):
-        return "1 1"
+        return 1.0, "1"
     if not unit.strip():
         raise TableError(f"{{path}} does not give the unit of {cell!r}; write it as in {known} ({_example(known)})")
     spelt = re.sub(r"([^\W\d])([²2])$", r"\1^2", unit.strip())
     for kind in kinds:
         try:
-            return f"{quantity(f'1 {spelt}', kind, cell)!r} {kind}"
+            return quantity(f"1 {spelt}", kind, cell), kind
         except InputError as error:
             fault = error
     raise TableError(f"{{path}}, column {fault}") from None

@@ -87,8 +87,7 @@ def read_force_curve(path: Path | str, **options: Any) -> "xr.Dataset":
         used = {name: value for name, value in {**said, **options}.items() if value is not None}
         found, branch = _quantities(raw, used)
     except TableError as error:
-        words = str(error) if "{path}" in str(error) else f"{{path}} {error}"
-        raise InputError(words.replace("{path}", str(path))) from None
+        raise InputError(error.of_file(path)) from None
     return _dataset(path, used, found, branch)
 
 

@@ -4,8 +4,8 @@ import re
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from contact_study.inputs.number_tables import NUMBER, TableError, lines_of, numbers_of
-from contact_study.physics.force_curves.columns import LEFT_OUT, RawCurve, in_si, known_name, named
+from contact_study.inputs.number_tables import TableError, first_row, lines_of, numbers_of
+from contact_study.physics.force_curves.columns import LEFT_OUT, RawCurve, known_name, named
 
 _HEADER = 'give a line of names and units, "displacement (nm), force (nN)", in the file or as columns'
 _OPTION = re.compile(r"#?\s*(?P<name>[a-z]+(?:_[a-z]+)+)\s*[:=]\s*(?P<value>.+?)\s*$")
@@ -16,7 +16,7 @@ _SPLITS = (r"\t", ";", ",", r"\s{2,}", r"\s+")
 def read_text(path: Path, columns: str | None, options: Collection[str]) -> RawCurve:
     """Read a text under its own header or another one, and those of some options that its comments give."""
     lines = lines_of(path)
-    first = next((number for number, line in enumerate(lines) if NUMBER.match(line)), len(lines))
+    first = first_row(lines)
     above = [line.strip().lstrip("#").strip() for line in lines[:first] if not _OPTION.match(line)]
     header = above if columns is None else [columns]
     try:
@@ -27,14 +27,13 @@ def read_text(path: Path, columns: str | None, options: Collection[str]) -> RawC
     cells, units = _cells(header, table.shape[1])
     curve = RawCurve({}, options={name: value for name, value in said.items() if name in options})
     for cell, unit, values in zip(cells, units, table.T, strict=True):
-        known, uncertain, factor = named(cell, unit)
+        known, uncertain, factor, kind = named(cell, unit)
         if known == LEFT_OUT:
             continue
-        numbers, kind = in_si(values, factor)
         held = curve.uncertainties if uncertain else curve.columns
         if known in held:
             raise TableError(f"{{path}} has two columns of {known}; name one of them {LEFT_OUT}")
-        held[known] = numbers
+        held[known] = values * factor
         if kind == "V":
             curve.options["deflection_in"] = "V"
     return curve

@@ -82,8 +82,7 @@ def read_raw(path: Path, channel: Channel, check: Callable[[np.ndarray], None] =
         if not np.any(np.isfinite(heights)):
             raise MapError("holds no finite numbers: all of its heights are missing")
     except TableError as error:
-        words = str(error) if "{path}" in str(error) else f"{{path}} {error}"
-        raise InputError(f"surface.path: {words.replace('{path}', str(path))}") from None
+        raise InputError(f"surface.path: {error.of_file(path)}") from None
     except InputError:
         raise
     except Exception as error:  # each format raises its own types on a damaged file

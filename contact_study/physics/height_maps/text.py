@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from contact_study.inputs.errors import InputError
-from contact_study.inputs.number_tables import NUMBER, TableError, lines_of, numbers_of
+from contact_study.inputs.number_tables import NUMBER, TableError, first_row, lines_of, numbers_of
 from contact_study.inputs.units import quantity
 
 # The words of Gwyddion's export in the languages of its menus.
@@ -92,7 +92,7 @@ def _sides(path: Path, head: str, pattern: str, sides: Sequence[str]) -> tuple[f
 
 def _points(lines: Sequence[str]) -> RawMap:
     """Columns x, y and height on an even grid, in any order; a header ``X[nm] Y[nm] Z[nm]`` gives the units."""
-    first = next((number for number, line in enumerate(lines) if NUMBER.match(line)), len(lines))
+    first = first_row(lines)
     head = "\n".join(lines[:first])
     units: list[str | None] = list(re.findall(r"[XYZ]\s*[\[(](.*?)[\])]", head, re.IGNORECASE))
     if len(units) == 3 and units[0] != units[1]:
@@ -110,7 +110,7 @@ def _points(lines: Sequence[str]) -> RawMap:
 
 def _profile(lines: Sequence[str]) -> RawMap:
     """Columns x and height of a line scan, shape (x, 2); a header ``x (um), h (nm)`` gives the units."""
-    first = next((number for number, line in enumerate(lines) if NUMBER.match(line)), len(lines))
+    first = first_row(lines)
     bracketed = (re.findall(r"[\[(]\s*([^\[\]()]+?)\s*[\])]", line) for line in lines[:first])
     lateral, height = next((found for found in bracketed if len(found) == 2), (None, None))
     return RawMap(numbers_of(lines[first:]), None, height, lateral)
