@@ -137,16 +137,12 @@ def _uniform_response(curvature, shift, grid, response, out):
 
 
 @kernel
-def _project(curvature, shift, grid, response, whole, residual, buffer):
+def _project(uniform_response, response, whole, residual, buffer):
     """Subtract the uniform stress from r that leaves M⁻¹ r without mean; return it, and the change of Σ r z."""
     total = 0.0
-    zero = response.dtype.type(0)
-    one = response.dtype.type(1)
     for i in range(residual.shape[0]):
         for j in range(residual.shape[1]):
-            positive = max(curvature[i, j], zero)
-            tail = shift / (positive + shift)
-            total += ((one - tail) / (positive + grid) + np.sqrt(tail) * response[i, j]) * residual[i, j]
+            total += uniform_response[i, j] * residual[i, j]
     stress = total / whole
     uniform = response.dtype.type(stress)
     for i in range(residual.shape[0]):
@@ -204,12 +200,13 @@ class LinearisedContact:
         residual, direction, solution = self._residual, self.direction, self.solution
         stress = 0.0
         if mean is not None:
-            response, moved, whole = self._respond(curvature)
-            moved *= np.float32(mean / whole * moved.size)
-            right_side = self._left_by(moved, right_side, curvature, kept) if mean else right_side
+            response, uniform_response, whole = self._respond(curvature)
+        if mean:
+            scale = np.float32(mean / whole * uniform_response.size)
+            right_side = self._left_by(scale * uniform_response, right_side, curvature, kept)
         square, core_product = _begin(right_side, curvature, *weights, residual, direction, solution, buffer)
         if mean:
-            solution += moved
+            solution += scale * uniform_response
         target = reduction**2 * square
         if mean is not None:
             bending = _without_mean(square, residual)
@@ -220,7 +217,7 @@ class LinearisedContact:
         for iteration in range(1, iterations + 1):
             product = core_product + self._preconditioner.apply_and_sum()
             if mean is not None:
-                uniform, change = _project(curvature, *weights, response, whole, residual, buffer)
+                uniform, change = _project(uniform_response, response, whole, residual, buffer)
                 stress, product = stress + uniform, product + change
             beta = np.float32(product / previous)
             local, length = _direct(curvature, residual, *weights, kept, beta, direction, buffer)
@@ -244,8 +241,8 @@ class LinearisedContact:
         self.solution[...] = 1
         _begin(self.solution, curvature, *weights, self._residual, self.direction, self.direction, buffer)
         self._preconditioner.apply_and_sum()
-        response, moved = buffer.copy(), np.empty_like(buffer)
-        return response, moved, _uniform_response(curvature, *weights, response, moved)
+        response, uniform_response = buffer.copy(), np.empty_like(buffer)
+        return response, uniform_response, _uniform_response(curvature, *weights, response, uniform_response)
 
     def _left_by(
         self, moved: np.ndarray, right_side: np.ndarray, curvature: np.ndarray, softening: np.float32
