@@ -174,15 +174,21 @@ def rough_contact(
         "max_iterations": max_iterations,
         "threads": threads,
         "trace": trace,
+        "work_of_adhesion": work_of_adhesion,
+        "machine_compliance": machine_compliance_of(machine_stiffness, control, grid),
     }
-    options["work_of_adhesion"] = work_of_adhesion
-    if machine_stiffness is not None:
-        if control != "approach":
-            raise ValueError(f"machine_stiffness: belongs to control = 'approach', not '{control}'; leave it out")
-        options["machine_compliance"] = math.prod(grid.size) / positive("machine_stiffness", machine_stiffness, "N/m")
     made = contact_between(heights, grid, elasticity, law, boundary, hardness, control=control, **options)
     warn_of_coarse_grid(grid, elasticity_of(elasticity), law, work_of_adhesion)
     return made
+
+
+def machine_compliance_of(stiffness: float | None, control: str, grid: Grid) -> float:
+    """Return the compliance per area of a machine of a stiffness in N/m (m/Pa); zero of a rigid one."""
+    if stiffness is None:
+        return 0.0
+    if control != "approach":
+        raise ValueError(f"machine_stiffness: belongs to control = 'approach', not '{control}'; leave it out")
+    return math.prod(grid.size) / positive("machine_stiffness", stiffness, "N/m")
 
 
 def _local_work(given: np.ndarray, shape: tuple[int, ...], law: TractionLaw) -> np.ndarray:

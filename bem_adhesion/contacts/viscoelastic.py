@@ -9,12 +9,16 @@ so that the pressure at its end is that of an *elastic* half-space of modulus E 
 h + v, v = Σ E_i (e_i h_i − a_i u)/E. The method is of second order in Δt.
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
-from bem_adhesion.contacts.rough_contact import Contact, contact_between, warn_of_coarse_grid
+from bem_adhesion.contacts.rough_contact import (
+    Contact,
+    contact_between,
+    machine_compliance_of,
+    warn_of_coarse_grid,
+)
 from bem_adhesion.solution import Solution
 from contact_study.numerics import fourier
 from contact_study.numerics.arguments import field, grid_of, positive, step_arguments
@@ -81,13 +85,7 @@ class ViscoelasticContact:
         self._moduli, self._times = np.array(solid.branch_moduli), np.array(solid.relaxation_times)
         self._control = str(options.get("control", "pressure"))
         self._highest = float(self.height.max())
-        if machine_stiffness is not None:
-            if self._control != "approach":
-                raise ValueError(
-                    f"machine_stiffness: belongs to control = 'approach', not '{self._control}'; leave it out"
-                )
-            area, spring = math.prod(self._grid.size), positive("machine_stiffness", machine_stiffness, "N/m")
-            options["machine_compliance"] = area / spring
+        options["machine_compliance"] = machine_compliance_of(machine_stiffness, self._control, self._grid)
         apart = self._elastic_contact(self.height, solid.contact_modulus).separated()
         mean = self.height.mean()
         # Mean gap of the surfaces before the law acts between them (m).
