@@ -104,10 +104,8 @@ class MultigridSolver:
     ) -> np.ndarray:
         """Predict the solution from a gap that was pressed last; return the gap where the prediction fails."""
         finest, law, options = self.finest, self.finest.law, self.options
-        missing, longest = (
-            load.missing(gap),
-            float(finest.solid.elasticity.stiffness(2 * np.pi / max(finest.grid.size))),
-        )
+        missing = load.missing(gap)
+        longest = float(finest.solid.elasticity.stiffness(2 * np.pi / max(finest.grid.size)))
         if missing is None:
             change_of_load = finest.local.imbalance(finest.solid.field, gap, load.pressure)
         else:  # as if the longest wave carried it

@@ -65,12 +65,9 @@ def ledger_of(
     """
     separation = float(np.mean(solution.displacement)) if solution.detached else separation_of(solution, solid)
     energy = solution.elastic_energy + solution.interaction_energy + solution.plastic_work
-    pressure, far, stored = beyond_spring(np.array([np.mean(solution.pressure), separation, energy]), compliance)
-    found = EnergyLedger(
-        position,
-        *(float(pressure), float(far), float(stored)),
-        not solution.detached,
-    )
+    state = np.array([np.mean(solution.pressure), separation, energy])
+    pressure, far, stored = beyond_spring(state, compliance).tolist()
+    found = EnergyLedger(position, pressure, far, stored, not solution.detached)
     return found if before is None else found._replace(**{name: getattr(before, name) for name in _CARRIED})
 
 

@@ -6,7 +6,7 @@ viscous slide.
 """
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -21,7 +21,6 @@ from bem_adhesion.study.trigger import NO_TRIGGER, Trigger, warn_of_trigger
 from contact_study.physics.process_zone import TOO_COARSE
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.path_results import beyond_spring
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 
@@ -141,7 +140,9 @@ def path_in_time(
             given = ramp, least, noise, compliance, trigger
             solution, ledgers = adaptive_interval(contact, state, ledger, *given)
             ledger = ledgers[-1]
-            passed = beyond_spring(_passed_in_time(ledgers[1:], ramp, distance), -compliance)
+            loads = [at._replace(position=ramp.at(at.position)) for at in ledgers[1:]]
+            viscous = [at.viscous for at in loads]
+            passed = np.column_stack([passed_states(loads, distance, compliance), viscous])
             now = TimeState(ramp.at(ledger.position), now.time + ledger.position, ledger.viscous)
             further = {**losses_of(ledger), "unaccounted_work": ledger.open}
             account = {"account": np.array(ledger, float)}
@@ -159,12 +160,3 @@ def path_in_time(
             passed=passed,
             restart={**found.restart, "moment": np.array(now), **account},
         )
-
-
-def _passed_in_time(passed: Sequence[EnergyLedger], ramp: Ramp, equilibrium_distance: float) -> np.ndarray:
-    """Return the states of ledgers along a ramp as in a dataset, with the viscous dissipation so far."""
-    rows = []
-    for at in passed:
-        held = (at.pressure, at.separation - equilibrium_distance)
-        rows.append((*(held if at.attached else (ramp.at(at.position), np.inf)), at.energy, at.viscous))
-    return np.array(rows).reshape(-1, 4)
