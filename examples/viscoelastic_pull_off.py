@@ -27,6 +27,6 @@ for speed in speeds:
 figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
 axes.semilogx(speeds, np.divide(works, works[0]), "o-", label="work of separation")
 axes.semilogx(speeds, np.divide(forces, forces[0]), "s--", label="pull-off force")
-axes.set(xlabel="retraction speed (m/s)", ylabel="over that of the slowest")
+axes.set(xlabel="retraction speed (m/s)", ylabel="over the value at the slowest speed")
 axes.legend(frameon=False)
 figure.savefig("viscoelastic_pull_off.png", dpi=150)

@@ -13,18 +13,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import contact_study
+from theory import JKR
 
 warnings.filterwarnings("ignore", message="grid too coarse")  # the grids are the subject
 
 grids, radius, modulus, work = (48, 72, 108, 162), 1e-6, 1e9, 0.05  # points, R (m), E* (Pa), w (J/m²)
 
-# JKR's approach and energy at the contact radii at which the sphere lets go and where the approach is zero: the loop
-# under a prescribed approach loses the difference of the energies.
-a = np.cbrt(np.pi * work * radius**2 / modulus * np.array([0.125, 2.0]))
-approach = a**2 / radius - np.sqrt(2 * np.pi * work * a / modulus)
-elastic = a * modulus * (approach**2 - 2 / 3 * a**2 * approach / radius + a**4 / (5 * radius**2))
-off, loss = approach[0], -float(np.diff(elastic - np.pi * work * a**2)[0])
-size = 2.6 * np.cbrt(6 * np.pi * work * radius**2 / modulus)  # over the contact radius without load
+# The loop under a prescribed approach loses the work of JKR's sphere between pull-off and an approach of zero.
+sphere = JKR(radius, modulus, work)
+curve = sphere.curve(sphere.at_displacement(0.0)[0], 2000)
+loss = -float(np.trapezoid(curve.force[curve.held], curve.displacement[curve.held]))
+off = sphere.pull_off_displacement
+size = 2.86 * sphere.at_force(0.0)[2]  # over the contact radius without load
 
 missing = []
 print("| mesh size / cell | loss / loss of JKR | pull-off / JKR | order, published 1/3 |\n|---|---|---|---|")
@@ -47,7 +47,7 @@ for points in grids:
     )
     missing.append(1 - lost / loss)
     order = np.log(missing[-1] / missing[-2]) / np.log(grids[len(missing) - 2] / points) if len(missing) > 1 else np.nan
-    pull_off = force / (-1.5 * np.pi * work * radius)
+    pull_off = force / sphere.pull_off_force
     print(
         f"| 1/{points} | {lost / loss:.3f} ± {unknown / loss:.3f} | {pull_off:.3f} | {order:.2f} |".replace("nan", "")
     )

@@ -6,15 +6,21 @@ rising preloads: the paper's abstract says that the loss increases linearly with
 detachment force hardly depends on the preload.
 """
 
+import warnings
+
 import matplotlib.pyplot as plt
 import numpy as np
 
 import contact_study
+from theory import JKR
+
+warnings.filterwarnings("ignore", message="grid too coarse")  # to be quick
 
 turns, points = (0.6, 1.1, 1.6, 2.1, 2.6), 128  # where loops turn, in units of displacement
 radius, modulus, work = 1e-6, 1e9, 0.05  # R (m), E* (Pa), w (J/m²)
-free = np.cbrt(6 * np.pi * work * radius**2 / modulus)  # JKR's contact radius without load
-size, unit = 4 * free, free**2 / radius  # of the cell, and of displacements
+sphere = JKR(radius, modulus, work)
+free = sphere.at_force(0.0)[2]  # contact radius without load
+size, unit = 4.4 * free, free**2 / radius  # of the cell, and of displacements
 reach = np.sqrt(2 * work * size / points / modulus)  # two points per process zone
 study = {
     "form": {"kind": "paraboloid", "radii": radius},
@@ -35,15 +41,18 @@ for turn in turns:
     force, displacement = found.total_force.values, found.displacement.values
     area = float(found.contact_radius.max()) ** 2 / radius**2
     loss = np.trapezoid(force, displacement) / (np.pi * work * radius**2)
-    rows.append((force.max() / (work * radius), area, loss, force.min() / (-1.5 * np.pi * work * radius)))
+    rows.append((force.max() / (work * radius), area, loss, force.min() / sphere.pull_off_force))
     print("| {:.1f} | {:.5f} | {:.6f} | {:.3f} |".format(*rows[-1]))
-    left.plot(displacement * 1e9, force * 1e9)
+    left.plot(displacement * 1e9, force * 1e9, label=f"{1e9 * force.max():.0f} nN")
 
 _, area, loss, _ = np.transpose(rows)
 slope, begun = np.polyfit(area, loss, 1)
 print(f"\nloss = {begun:.2g} + {slope:.3f} times the area, correlation {np.corrcoef(area, loss)[0, 1]:.3f}")
 lowest = 1e9 * force.min()
 left.set(xlabel="displacement (nm)", ylabel="force (nN)", xlim=(-8, 8), ylim=(1.3 * lowest, -2 * lowest))
-right.plot(area, loss, "o", area, begun + slope * area, "-")
+right.plot(area, loss, "o", label="boundary elements")
+right.plot(area, begun + slope * area, "-", label="linear fit")
+right.legend(frameon=False)
+left.legend(title="preload", frameon=False)
 right.set(xlabel="contact area / πR²", ylabel="loss / wπR²")
 figure.savefig("rough_loops.png", dpi=150)

@@ -7,14 +7,20 @@ adhesion: less by the energy U of conformal contact. The attraction here has a f
 smallest gaps and the reduction is less than U.
 """
 
+import warnings
+
 import matplotlib.pyplot as plt
 import numpy as np
 
 import contact_study
+from theory import JKR
+
+warnings.filterwarnings("ignore", message="grid too coarse")  # to be quick
 
 shares, points, radius, modulus, work = (0.0, 0.2, 0.4), 144, 1e-6, 1e9, 0.05  # U/w, points, R (m), E* (Pa), w (J/m²)
-free = np.cbrt(6 * np.pi * work * radius**2 / modulus)  # JKR's contact radius without load
-size = 3 * free
+sphere = JKR(radius, modulus, work)
+free = sphere.at_force(0.0)[2]  # contact radius without load
+size = 3.3 * free
 reach = np.sqrt(work * size / points / modulus)  # the grid's shortest attraction, one point per process zone
 study = {
     "form": {"kind": "paraboloid", "radii": radius},
@@ -50,7 +56,7 @@ for share in shares:
     on_approach = np.arange(path.size) < 20
     mean = [np.nanmean(apparent[way & (a > 0.4 * free)]) for way in (on_approach, ~on_approach)]
     rows.append(mean)
-    pull_off = force.min() / (-1.5 * np.pi * work * radius)
+    pull_off = force.min() / sphere.pull_off_force
     print(f"| {share} | {rows[0][0] - mean[0]:.2f} | {rows[0][1] - mean[1]:.2f} | {pull_off:.2f} |")
     lines = axes.plot(a * 1e9, np.where(on_approach, force, np.nan) * 1e9, "--", label=f"U = {share} w")
     axes.plot(a * 1e9, np.where(~on_approach, force, np.nan) * 1e9, color=lines[0].get_color())

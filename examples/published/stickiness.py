@@ -22,6 +22,7 @@ warnings.filterwarnings("ignore", message="grid too coarse")  # of sticky surfac
 size, points, seeds, modulus, height, share = 1e-6, 128, (1, 2, 3, 4), 1e9, 5e-9, 0.01
 ranges = np.array([0.6, 1.2, 2.4]) * 1e-9  # of the attraction (m)
 names = ("persson_tosatti", "bearing_area", "dmt_tension", "pastewka_robbins")
+labels = ("Persson–Tosatti", "bearing area", "DMT tension", "Pastewka–Robbins", "the same, measured d")
 study = {
     "surface": {"kind": "self_affine", "size": size, "shape": [points, points], "rms_height": height}
     | {"hurst_exponent": 0.8, "roll_off_mode": 4, "cutoff_mode": 16},
@@ -53,28 +54,27 @@ for surface in surfaces:
     measured.append(4 * touching.sum() * size / points / sum(edge_sides(touching)))  # π times area over perimeter
 diameter = np.mean(measured)
 reduced = ranges / (slope * diameter)
-works, thresholds, known = np.geomspace(0.005, 0.1, 7), [], {name: [] for name in (*names, "the same, measured d")}
+works, thresholds, known = np.geomspace(0.005, 0.1, 7), [], {label: [] for label in labels}
 for reach in ranges:
     criteria = stickiness(cases[0].scales.spectrum, modulus, Exponential(1.0, reach))
-    for name in names:
-        known[name].append(1 / getattr(criteria, name))
-    known["the same, measured d"].append(known["pastewka_robbins"][-1] * (diameter / estimated) ** (2 / 3))
+    for name, label in zip(names, labels, strict=False):
+        known[label].append(1 / getattr(criteria, name))
+    known[labels[-1]].append(known["Pastewka–Robbins"][-1] * (diameter / estimated) ** (2 / 3))
     own = []
     for surface in surfaces:
         falling = [load_over_area(surface, Exponential(work, reach)) for work in works]
         own.append(np.interp(0, np.negative(falling), works))
     thresholds.append((np.mean(own), np.std(own) / np.sqrt(len(own) - 1)))
 
-columns = " | ".join(name.replace("_", " ") for name in known)
-print(f"| range / h'd | threshold (J/m²) | {columns} |\n{'|---' * 7}|")
+print(f"| range / h'd | threshold (J/m²) | {' | '.join(labels)} |\n{'|---' * 7}|")
 for number, (work, error) in enumerate(thresholds):
     others = " | ".join(f"{values[number]:.3f}" for values in known.values())
     print(f"| {reduced[number]:.3f} | {work:.3f} ± {error:.3f} | {others} |")
 
 figure, axes = plt.subplots(figsize=(5.2, 4.4), layout="constrained")
 axes.errorbar(reduced, *np.transpose(thresholds), fmt="ko", capsize=2, label="boundary elements")
-for name in known:
-    axes.plot(reduced, known[name], label=name.replace("_", " "))
+for label, values in known.items():
+    axes.plot(reduced, values, label=label)
 axes.set(ylim=(0, None), xlabel="range of attraction / h'd", ylabel="threshold of sticking (J/m²)")
 figure.legend(frameon=False, loc="outside upper center", ncols=2)
 figure.savefig("stickiness.png", dpi=150)
