@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from inspect import cleandoc
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -11,6 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
+
+from contact_study.inputs.errors import InputError
 
 RESOLUTION = 200  # dots per inch
 SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
@@ -103,6 +106,14 @@ def add_legend(axes: Axes) -> None:
 def axes_of(axes: Axes | None, width: float = SINGLE, height: float = 2.8) -> Axes:
     """The given axes, or those of a new figure outside of pyplot (inches)."""
     return Figure(figsize=(width, height), layout="constrained").subplots() if axes is None else axes
+
+
+def format_of(path: Path, option: str) -> str:
+    """The format of a picture by its name; InputError, of an option, if matplotlib does not write it."""
+    kind, known = path.suffix.lstrip(".").lower(), Figure().canvas.get_supported_filetypes()
+    if kind not in known:
+        raise InputError(f"{option} {path}: expected a name that ends in {', '.join(known)}")
+    return kind
 
 
 @dataclass(frozen=True)

@@ -52,16 +52,12 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> int:
-    from matplotlib.figure import Figure
-
     from contact_study import plots
     from contact_study.campaign.store.files import check_inputs_kept, named_file, writable_output, write_aside
-    from contact_study.plots.style import RESOLUTION
+    from contact_study.plots.style import RESOLUTION, format_of
 
     output = named_file(given.output or given.file.with_name(f"{given.file.stem}.{given.picture}.png"))
-    kind, known = output.suffix.lstrip(".").lower(), Figure().canvas.get_supported_filetypes()
-    if kind not in known:
-        raise InputError(f"-o {output}: expected a name that ends in {', '.join(known)}")
+    kind = format_of(output, "-o")
     check_inputs_kept(output, [given.file, *given.measured])
     name, single_case, single_step, _ = PICTURES[given.picture]
     options = _of_force(given)

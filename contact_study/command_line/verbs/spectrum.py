@@ -49,11 +49,9 @@ def run(given: argparse.Namespace) -> int:
     if output.suffix != ".nc":
         raise InputError(f"-o {output}: expected a name that ends in .nc")
     if figure is not None:
-        from matplotlib.figure import Figure
+        from contact_study.plots.style import format_of
 
-        known = Figure().canvas.get_supported_filetypes()
-        if figure.suffix.lstrip(".").lower() not in known:
-            raise InputError(f"--figure {figure}: expected a name that ends in {', '.join(known)}")
+        format_of(figure, "--figure")
     for path in filter(None, (output, figure)):
         check_inputs_kept(path, given.files)
         if path.exists() and not given.overwrite:
@@ -96,13 +94,10 @@ def _shared(given: argparse.Namespace) -> dict[str, Any]:
 
 
 def _draw(dataset: "xr.Dataset", figure: Path) -> None:
-    from matplotlib.figure import Figure
-
     from contact_study.campaign.store.files import write_aside
     from contact_study.plots import measured_spectra
-    from contact_study.plots.style import RESOLUTION, SINGLE
+    from contact_study.plots.style import RESOLUTION, format_of
 
-    kind = figure.suffix.lstrip(".").lower()
-    drawn = Figure(figsize=(1.5 * SINGLE, 3.2), layout="constrained")
-    measured_spectra(dataset, drawn.subplots())
+    drawn: Any = measured_spectra(dataset).figure
+    kind = format_of(figure, "--figure")
     write_aside(figure, lambda partial: drawn.savefig(partial, dpi=RESOLUTION, format=kind))
