@@ -12,6 +12,9 @@ from contact_study.plots.paths import Curve, Look, draw_path
 from contact_study.plots.selection import LOADING, UNLOADING, fit_states, lines, require, single
 from contact_study.plots.style import COLOURS, Unit, axes_of, picture
 
+PATHS = {"relative_contact_area": r"contact area $A/A_0$", "mean_gap": r"mean gap $\bar{u}$"}
+"""Quantities that are drawn over the pressure, with their words."""
+
 
 @picture("Of any model.")
 def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear") -> Axes:
@@ -23,7 +26,7 @@ def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "li
         Of the pressure. Logarithms of both signs beyond the smallest pressure ("symlog") show tension, too; "log"
         shows both axes so, and no tension.
     """
-    axes = _along_the_path(dataset, axes, "relative_contact_area", r"contact area $A/A_0$", scale)
+    axes = _along_the_path(dataset, axes, "relative_contact_area", scale)
     if scale == "log":
         axes.set_yscale("log")
     else:
@@ -40,10 +43,10 @@ def mean_gap(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear
     scale : {"linear", "symlog", "log"}, optional
         Of the pressure, as of :func:`contact_area`.
     """
-    return _along_the_path(dataset, axes, "mean_gap", r"mean gap $\bar{u}$", scale)
+    return _along_the_path(dataset, axes, "mean_gap", scale)
 
 
-def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, symbol: str, scale: str) -> Axes:
+def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, scale: str) -> Axes:
     require(dataset, "mean_pressure", name)
     pressure = style.pressure_unit(style.largest(dataset["mean_pressure"]))
     unit = style.length_unit(style.largest(dataset[name])) if name == "mean_gap" else Unit("", 1.0)
@@ -59,7 +62,7 @@ def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, symbol: s
     if hollow:
         axes.plot([], [], "v", color="#404040", mfc="white", ms=6.2, label="unloading")
     style.add_legend(axes)
-    ylabel = f"{symbol} ({unit.name})" if unit.name else symbol
+    ylabel = f"{PATHS[name]} ({unit.name})" if unit.name else PATHS[name]
     axes.set(xlabel=rf"pressure $p$ ({pressure.name})", ylabel=ylabel)
     shown = dataset["mean_pressure"].values[fit_states(dataset)] / pressure.size
     if scale not in ("linear", "symlog", "log"):

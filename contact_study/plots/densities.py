@@ -14,10 +14,10 @@ from contact_study.plots.style import COLOURS, Unit, axes_of, picture
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
 _LAW = ("fitted_hurst_exponent", "fitted_hurst_exponent_error", "fitted_roll_off", "fitted_cutoff")  # of the surface
-_LEAST = 1e-8  # of the largest density: theories' tails go on for ever
+LEAST = 1e-8  # of the largest density: theories' tails go on for ever
 _COLOURED = 1e-4  # of the largest density, down to which colours distinguish it
 # Of a distribution: its axis' unit and symbol, and its own symbol.
-_DENSITIES = {
+DENSITIES = {
     "pressure": (style.pressure_unit, r"stress $\sigma$", r"P(\sigma)"),
     "gap": (style.length_unit, "gap $u$", "P(u)"),
 }
@@ -38,13 +38,13 @@ def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 def _densities(dataset: xr.Dataset, of: str, axes: Axes | None) -> Axes:
     name, along = f"{of}_pdf", f"{of}_bin"
-    unit_of, symbol, density = _DENSITIES[of]
+    unit_of, symbol, density = DENSITIES[of]
     require(dataset, name)
     axes = axes_of(axes)
     every = [(words, part[name].values) for words, part in lines(dataset.squeeze(), name, along)]
     shown = [(words, pdf) for words, pdf in every if np.nansum(pdf) > 0]  # Persson's theory has no gaps
     values = dataset[along].values
-    least = _LEAST * max((style.largest(pdf) for _, pdf in shown), default=0.0)
+    least = LEAST * max((style.largest(pdf) for _, pdf in shown), default=0.0)
     present = np.any([pdf > least for _, pdf in shown], axis=0) if shown else np.zeros(values.size, bool)
     unit = unit_of(style.largest(values[present]))
     for number, (words, pdf) in enumerate(shown):

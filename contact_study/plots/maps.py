@@ -1,7 +1,7 @@
 """Maps of a surface and of one state, and cuts through it: both surfaces, or a row of atoms at true proportions."""
 
-import tomllib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib
@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import Colormap, ListedColormap, Normalize
 
-from contact_study.plots.selection import extent, one_state, touching
-from contact_study.plots.style import COLOURS, DOUBLE, axes_of, largest, length_unit, picture, pressure_unit
+from contact_study.plots.selection import along_line, extent, highest_row, is_periodic, one_state, touching
+from contact_study.plots.style import COLOURS, DOUBLE, Unit, axes_of, largest, length_unit, picture, pressure_unit
 from contact_study.results.observables import cluster_map
 
 _NONE, _OTHERS, _CONTACT = "#ffffff", "#9a9a9a", "#010101"
@@ -25,13 +25,69 @@ ATOMS_NEED = ("normal_stress", "atom_height", *_LATERAL, "substrate_height", "si
 _STATE = "One state of a simulation with its fields, such as ``dataset.sel(step=3)``."
 
 
+@dataclass(frozen=True)
+class Colouring:
+    """How a map colours a field: unit, ends of the colours (SI), words of their bar."""
+
+    unit: Unit
+    low: float
+    high: float
+    colours: Colormap
+    words: str
+    extend: str = "neither"
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The colours as :meth:`matplotlib.axes.Axes.imshow` takes them."""
+        return {"cmap": self.colours, "vmin": self.low / self.unit.size, "vmax": self.high / self.unit.size}
+
+
+def height_colouring(height: np.ndarray) -> Colouring:
+    """The colours of heights (m)."""
+    unit = length_unit(largest(height))
+    colours = matplotlib.colormaps["viridis"]
+    return Colouring(unit, float(height.min()), float(height.max()), colours, f"height ({unit.name})")
+
+
+def gap_colouring(gap: np.ndarray, contact: np.ndarray, bottom: float, top: float | None = None) -> Colouring:
+    """The colours of gaps (m): contact black, the others from the contact distance to the top, or to the largest."""
+    touches = bool(contact.any())
+    top = float(gap.max(where=~contact, initial=bottom)) if top is None else top or bottom
+    unit = length_unit(top)
+    colours = matplotlib.colormaps["cividis"].with_extremes(bad=_CONTACT, under=_CONTACT)
+    words = f"gap ({unit.name})" + (", contact black" if touches else "")
+    high = top if top > bottom else bottom + unit.size
+    return Colouring(unit, bottom, high, colours, words, "min" if touches else "neither")
+
+
+def pressure_colouring(pressure: np.ndarray) -> Colouring:
+    """The colours of pressures (Pa): compression red, tension blue."""
+    most = float(np.abs(pressure).max())
+    unit = pressure_unit(most)
+    # A few points at contact edges carry many times what the rest does: these saturate, which the ends of the bar show.
+    limit = float(np.quantile(np.abs(pressure), 0.995)) or most or 1.0
+    extend = "both" if limit < most else "neither"
+    return Colouring(unit, -limit, limit, matplotlib.colormaps["RdBu_r"], f"pressure ({unit.name})", extend)
+
+
+def cluster_colouring(coloured: int = len(COLOURS)) -> Colouring:
+    """The colours of contact clusters by their numbers, none 0: the largest in colour, the others grey."""
+    colours = ListedColormap([_NONE, *COLOURS[:coloured], _OTHERS])
+    return Colouring(Unit("", 1.0), -0.5, coloured + 1.5, colours, "")
+
+
+def contact_clusters(state: xr.Dataset, coloured: int = len(COLOURS)) -> tuple[np.ndarray, int]:
+    """Numbers of the contact clusters, the largest 1, all beyond those coloured alike; and how many there are."""
+    clusters = cluster_map(touching(state), is_periodic(state))
+    return np.minimum(clusters, coloured + 1), int(clusters.max())
+
+
 @picture("One surface: of a simulation with its fields, or any ``height`` over ``y`` and ``x`` (m).")
 def height_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Heights of the surface."""
     surface = one_state(dataset, "height")
     height = surface["height"].values
-    unit = length_unit(float(np.abs(height).max()))
-    return _map(surface, height / unit.size, axes, f"height ({unit.name})", cmap="viridis")
+    return _map(surface, height, axes, height_colouring(height))
 
 
 @picture(_STATE)
@@ -48,15 +104,9 @@ def gap_map(
         Maps with the same colours that share the bar of colours, these axes by default; None for no bar.
     """
     state = one_state(dataset, "gap", "contact_distance")
-    gap = np.ma.masked_array(state["gap"].values, touching(state))
-    bottom = float(state["contact_distance"])
-    top = float(gap.max()) if top is None and gap.count() else top or bottom
-    unit = length_unit(top)
-    colours = matplotlib.colormaps["cividis"].with_extremes(bad=_CONTACT, under=_CONTACT)
-    limits = {"vmin": bottom / unit.size, "vmax": (top if top > bottom else bottom + unit.size) / unit.size}
-    words = f"gap ({unit.name})" + (", contact black" if gap.mask.any() else "")
-    below = "min" if gap.mask.any() else "neither"
-    return _map(state, gap / unit.size, axes, words, below, bar, cmap=colours, **limits)
+    gap, contact = state["gap"].values, touching(state)
+    look = gap_colouring(gap, contact, float(state["contact_distance"]), top)
+    return _map(state, np.ma.masked_array(gap, contact), axes, look, bar)
 
 
 @picture(_STATE)
@@ -64,13 +114,7 @@ def pressure_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Local pressure of one state: compression red, tension blue."""
     state = one_state(dataset, "pressure")
     pressure = state["pressure"].values
-    most = float(np.abs(pressure).max())
-    unit = pressure_unit(most)
-    # A few points at contact edges carry many times what the rest does: these saturate, which the ends of the bar show.
-    limit = float(np.quantile(np.abs(pressure), 0.995)) or most or 1.0
-    limits: dict[str, Any] = {"vmin": -limit / unit.size, "vmax": limit / unit.size}
-    extend = "both" if limit < most else "neither"
-    return _map(state, pressure / unit.size, axes, f"pressure ({unit.name})", extend, cmap="RdBu_r", **limits)
+    return _map(state, pressure, axes, pressure_colouring(pressure))
 
 
 @picture(_STATE)
@@ -86,14 +130,11 @@ def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = le
         How many clusters have a colour, at most six.
     """
     state = one_state(dataset, "gap", "contact_distance")
-    study = tomllib.loads(state.attrs.get("study_toml", ""))
-    boundary = state.coords.get("boundary", study.get("elasticity", {}).get("boundary", "periodic"))
-    clusters = cluster_map(touching(state), str(np.asarray(boundary)) == "periodic")
     coloured = min(largest, len(COLOURS))
-    colours = ListedColormap([_NONE, *COLOURS[:coloured], _OTHERS])
-    axes = _map(state, np.minimum(clusters, coloured + 1), axes, None, cmap=colours, vmin=-0.5, vmax=coloured + 1.5)
+    clusters, found = contact_clusters(state, coloured)
+    axes = _map(state, clusters, axes, cluster_colouring(coloured), None)
     share = float(state.get("relative_contact_area", np.mean(clusters > 0)))
-    count = int(state.get("cluster_count", clusters.max()))
+    count = int(state.get("cluster_count", found))
     words = "one cluster" if count == 1 else f"{count} clusters"
     mean = "mean " if "relative_contact_area_standard_error" in state else ""
     axes.set_title(f"{mean}contact area {share:.3g}, {mean}{words}", fontsize=8)
@@ -101,61 +142,65 @@ def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = le
 
 
 def _map(
-    state: xr.Dataset,
-    field: np.ndarray,
-    axes: Axes | None,
-    words: str | None,
-    extend: str = "neither",
-    bar: Sequence[Axes] | None = (),
-    **options: Any,
+    state: xr.Dataset, field: np.ndarray, axes: Axes | None, look: Colouring, bar: Sequence[Axes] | None = ()
 ) -> Axes:
-    """A field (y, x) at the true proportions of the cell; no words, no bar of colours."""
+    """A field (y, x) at the true proportions of the cell; without ``bar`` no bar of colours."""
     axes = axes_of(axes, height=3.0)
     height, width = extent(state)
     unit = length_unit(max(height, width))
-    image = axes.imshow(
-        field, origin="lower", extent=(0, width / unit.size, 0, height / unit.size), interpolation="nearest", **options
-    )
+    ends = (0, width / unit.size, 0, height / unit.size)
+    image = axes.imshow(field / look.unit.size, origin="lower", extent=ends, interpolation="nearest", **look.options)
     axes.set(xlabel=rf"$x$ ({unit.name})", ylabel=rf"$y$ ({unit.name})")
     axes.grid(False)
-    if words and bar is not None:
-        axes.figure.colorbar(image, ax=bar or axes, label=words, extend=extend, aspect=25 if bar else 20)
+    if bar is not None:
+        axes.figure.colorbar(image, ax=bar or axes, label=look.words, extend=look.extend, aspect=25 if bar else 20)
     return axes
 
 
 @picture(_STATE)
-def section(dataset: xr.Dataset, y: float | None = None, axes: Axes | None = None) -> Axes:
-    """Section along x of one state: the rigid surface below, the deformed block above, contact marked.
+def section(
+    dataset: xr.Dataset,
+    y: float | None = None,
+    axes: Axes | None = None,
+    ends: tuple[tuple[float, float], tuple[float, float]] | None = None,
+) -> Axes:
+    """Section of one state: the rigid surface below, the deformed block above, contact marked.
 
     Parameters
     ----------
     y : float, optional
-        Where to cut (m), at the nearest line of points; by default through the highest point of the surface.
+        Where to cut along x (m), at the nearest line of points; by default through the highest point of the surface.
+    ends : pair of pairs of float, optional
+        Ends (y, x) of another straight line to cut along (m).
     """
     state = one_state(dataset, "gap", "height", "contact_distance")
-    height, gap, contact = state["height"].values, state["gap"].values, touching(state)
-    if y is None:
-        row = int(np.unravel_index(height.argmax(), height.shape)[0])
+    if ends is not None:
+        x, surface, gap, contact = along_line(state, *ends)
     else:
-        period = extent(state)[0]
-        if not 0 <= y < period:
-            raise ValueError(f"y = {y:g} m: outside the cell, which is {period:g} m long")
-        row = int(np.abs(state["y"].values - y).argmin())
-    across = length_unit(extent(state)[1])
-    surface, block = height[row], height[row] + gap[row]
+        if y is None:
+            row = highest_row(state)
+        else:
+            period = extent(state)[0]
+            if not 0 <= y < period:
+                raise ValueError(f"y = {y:g} m: outside the cell, which is {period:g} m long")
+            row = int(np.abs(state["y"].values - y).argmin())
+        x, surface, gap = state["x"].values, state["height"].values[row], state["gap"].values[row]
+        contact = touching(state)[row]
+    across = length_unit(float(x[-1]) if ends is not None else extent(state)[1])
+    block = surface + gap
     if not np.isfinite(block).all():
         block = np.full_like(block, np.nan)  # the surfaces are separated
-    ends = np.concatenate([surface, block[np.isfinite(block)]])
-    along, margin = length_unit(float(np.ptp(ends))), 0.15 * float(np.ptp(ends))
+    both = np.concatenate([surface, block[np.isfinite(block)]])
+    along, margin = length_unit(float(np.ptp(both))), 0.15 * float(np.ptp(both))
     axes = axes_of(axes, DOUBLE, 2.2)
-    x, surface, block = state["x"].values / across.size, surface / along.size, block / along.size
-    lowest, highest = (float(ends.min()) - margin) / along.size, (float(ends.max()) + margin) / along.size
+    x, surface, block = x / across.size, surface / along.size, block / along.size
+    lowest, highest = (float(both.min()) - margin) / along.size, (float(both.max()) + margin) / along.size
     axes.fill_between(x, lowest, surface, color=_SUBSTRATE, lw=0)
     axes.fill_between(x, block, highest, color=_BLOCK, lw=0)
     axes.plot(x, surface, color="#404040", lw=0.9, label="rigid surface")
     axes.plot(x, block, color=COLOURS[0], lw=0.9, label="block")
-    axes.plot(x, np.where(contact[row], surface, np.nan), ".", color=COLOURS[1], ms=2.5, label="contact")
-    axes.set(xlabel=rf"$x$ ({across.name})", ylabel=f"height ({along.name})")
+    axes.plot(x, np.where(contact, surface, np.nan), ".", color=COLOURS[1], ms=2.5, label="contact")
+    axes.set(xlabel=rf"{'$x$' if ends is None else 'along the line'} ({across.name})", ylabel=f"height ({along.name})")
     axes.set(xlim=(x[0], x[-1]), ylim=(lowest, highest))
     axes.grid(False)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.16), ncols=3)

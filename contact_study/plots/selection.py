@@ -1,10 +1,12 @@
 """Selection of the part of a dataset that a picture shows: one state, or lines over the sweep."""
 
 import itertools
+import tomllib
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
+from scipy.ndimage import map_coordinates
 
 from contact_study.results.schema import BY_ATOM
 from contact_study.results.state import usable
@@ -43,7 +45,8 @@ def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
             )
     axes = [axis for axis in ("y", "x") if axis in squeezed.dims]
     # Smaller cells of a sweep are padded to the points of the largest.
-    state = squeezed.isel({axis: np.flatnonzero(np.isfinite(squeezed[axis].values)) for axis in axes})
+    there = {axis: np.isfinite(squeezed[axis].values) for axis in axes}
+    state = squeezed.isel({axis: np.flatnonzero(known) for axis, known in there.items() if not known.all()})
     for name in names:
         if state[name].isnull().all():
             raise ValueError(f"the dataset keeps no {name} of this point of the path; output.field_steps chose others")
@@ -65,6 +68,40 @@ def touching(state: xr.Dataset) -> np.ndarray:
     distance = float(state["contact_distance"])
     near = state["gap"].values <= distance
     return near & (state["pressure"].values != 0) if distance == 0 and "pressure" in state else near
+
+
+def is_periodic(state: xr.Dataset) -> bool:
+    """Whether the cell of a simulation repeats, by its swept key ``boundary`` or its study."""
+    study = tomllib.loads(state.attrs.get("study_toml", ""))
+    boundary = state.coords.get("boundary", study.get("elasticity", {}).get("boundary", "periodic"))
+    return str(np.asarray(boundary)) == "periodic"
+
+
+def highest_row(state: xr.Dataset) -> int:
+    """Number of the line of points through the highest point of the surface."""
+    height = state["height"].values
+    return int(np.unravel_index(height.argmax(), height.shape)[0])
+
+
+def along_line(
+    state: xr.Dataset, start: tuple[float, float], end: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Distance, height, gap (m) and whether in contact, along a straight line between points (y, x) of a state.
+
+    Heights and gaps are bilinear between grid points; contact is that of the nearest one. A line may leave a periodic
+    cell; beyond the edge of another one all is as at the edge. As many points as the line is grid spacings long.
+    """
+    shape, size = state["gap"].shape, extent(state)
+    ends = np.array([start, end])
+    spacing = np.array(size) / shape
+    count = max(2, int(np.ceil(np.abs((ends[1] - ends[0]) / spacing).max())) + 1)
+    part = np.linspace(0.0, 1.0, count)
+    origin = np.array([state[axis].values[0] for axis in ("y", "x")])
+    at = ((ends[0] - origin) / spacing)[:, None] + ((ends[1] - ends[0]) / spacing)[:, None] * part
+    mode = "grid-wrap" if is_periodic(state) else "nearest"
+    height, gap = (map_coordinates(state[name].values, at, order=1, mode=mode) for name in ("height", "gap"))
+    contact = map_coordinates(touching(state).astype(np.uint8), at, order=0, mode=mode) > 0
+    return part * float(np.hypot(*(ends[1] - ends[0]))), height, gap, contact
 
 
 def lines(dataset: xr.Dataset, name: str, *along: str) -> Iterator[tuple[str, xr.Dataset]]:

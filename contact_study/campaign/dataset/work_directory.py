@@ -63,7 +63,7 @@ class WorkDirectory:
                 f"{self.folder} holds the steps of an unfinished run; continue it with --resume "
                 "or drop it with --overwrite"
             )
-        claimed = self._claimed()
+        claimed = self.record()
         if claimed.get(_STORAGE) != _STORAGE_VERSION:
             if any(self.folder.glob("case-*")):
                 raise InputError(
@@ -88,7 +88,7 @@ class WorkDirectory:
     def _holds_cases(self) -> bool:
         return any(self.folder.glob("*case*"))
 
-    def _claimed(self) -> dict[str, Any]:
+    def record(self) -> dict[str, Any]:
         """Read what :meth:`claim` wrote; empty if it is missing or unreadable."""
         with suppress(OSError, ValueError, TypeError):
             return dict(json.loads(self._manifest.read_text(encoding="utf-8")))
@@ -96,7 +96,7 @@ class WorkDirectory:
 
     def replaces(self) -> str | None:
         """History of the dataset that the steps replace; None if they replace none."""
-        return self._claimed().get(_REPLACES)
+        return self.record().get(_REPLACES)
 
     def claim(self, attributes: Mapping[str, Any], replaces: str | None = None) -> None:
         """Record the run that the steps belong to, and the history of the dataset that they replace."""
@@ -156,7 +156,7 @@ class WorkDirectory:
         self._publish_states()
         written = attributes_of(self.output) or {}
         own = (_REPLACES, _STORAGE, "git_commit")
-        claimed = {name: value for name, value in self._claimed().items() if name not in own}
+        claimed = {name: value for name, value in self.record().items() if name not in own}
         if (claimed and claimed.items() <= written.items()) or not any(self.folder.glob("*")):
             self.remove()
         self.close()

@@ -98,8 +98,8 @@ def read_inputs(paths: Sequence[Path], average: str | None = None) -> Inputs:
     if len(opened) < len(paths):
         raise InputError(f"{next(path for path in paths if list(paths).count(path) > 1)} is given twice")
     kinds = {path: str(groups[""].attrs["model"]) for path, groups in opened.items()}
-    tails = _tails(kinds)
-    names = {of_file(kind, tails[path]): path for path, kind in kinds.items()}
+    ends = tails(kinds)
+    names = {of_file(kind, ends[path]): path for path, kind in kinds.items()}
     files = {name: names[name] for name in sorted(names, key=lambda name: file_kinds().index(kind_of(name)))}
     contents = {name: opened[path] for name, path in files.items()}
     _check_told_apart(files, contents)
@@ -122,17 +122,17 @@ def read_inputs(paths: Sequence[Path], average: str | None = None) -> Inputs:
     found: dict[str, xr.Dataset] = {}
     branches: dict[str, dict[str, xr.Dataset]] = {}
     for name, groups in contents.items():
-        found |= models_in(groups[""], tails[files[name]])
-        branches |= branches_in(groups, tails[files[name]])
+        found |= models_in(groups[""], ends[files[name]])
+        branches |= branches_in(groups, ends[files[name]])
     if not found:
         raise InputError(f"{', '.join(map(str, paths))}: no model there is one that is shown")
     models = {name: found[name] for name in in_order(found)}
     return Inputs(files, models, branches, studies, tuple(notes), contents, average)
 
 
-def _tails(kinds: Mapping[Path, str]) -> dict[Path, str]:
+def tails(kinds: Mapping[Path, str]) -> dict[Path, str]:
     """Shortest end of each path, without suffix, that distinguishes files of one kind."""
-    tails = {}
+    ends = {}
     for path, kind in kinds.items():
         others = [other for other in kinds if kinds[other] == kind and other != path]
         parts = path.resolve().with_suffix("").parts
@@ -142,8 +142,8 @@ def _tails(kinds: Mapping[Path, str]) -> dict[Path, str]:
             if count > len(parts):
                 break
         # A slash would part groups of the comparison's dataset.
-        tails[path] = "_".join(parts[-count:]) if others else ""
-    return tails
+        ends[path] = "_".join(parts[-count:]) if others else ""
+    return ends
 
 
 def _check_told_apart(files: Mapping[str, Path], contents: Mapping[str, Mapping[str, xr.Dataset]]) -> None:

@@ -27,18 +27,20 @@ def open_groups(path: Path) -> dict[str, xr.Dataset]:
     """The groups of a file by name, "" for the root, without the fields."""
     require_dataset(path)
     with readable(path), xr.open_datatree(path, engine=engine_of(path), decode_timedelta=False) as tree:
-        attrs = tree.attrs
-        foreign = "schema_version" not in attrs or attrs.get("model") not in file_kinds()
+        require_own(path, tree.attrs)
         nodes = {node.path.strip("/"): node for node in tree.subtree}
-        groups = {} if foreign else {name: _in_memory(nodes[name]) for name in _GROUPS if name in nodes}
-    if foreign:
+        return {name: _in_memory(nodes[name]) for name in _GROUPS if name in nodes}
+
+
+def require_own(path: Path, attrs: Mapping[str, Any]) -> None:
+    """Raise InputError unless the attributes are those of a dataset that this version reads."""
+    if "schema_version" not in attrs or attrs.get("model") not in file_kinds():
         raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
     if str(attrs["schema_version"]).split(".")[0] != SCHEMA_VERSION.split(".")[0]:
         raise InputError(
             f"{path}: has schema version {attrs['schema_version']}, this program reads {SCHEMA_VERSION}; run its study "
             "again"
         )
-    return groups
 
 
 def models_in(root: xr.Dataset, file: str = "") -> dict[str, xr.Dataset]:
