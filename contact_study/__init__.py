@@ -11,6 +11,7 @@ from contact_study.version import __version__
 if TYPE_CHECKING:
     from contact_study.campaign.dataset.export import to_vtk, to_xyz
     from contact_study.campaign.library import run
+    from contact_study.inference.library import infer
     from contact_study.inputs.errors import InputError
     from contact_study.physics.force_curves.curve import read_force_curve
     from contact_study.results.measured_spectrum import measured_spectrum
@@ -26,6 +27,7 @@ __all__ = [
     "InputError",
     "__version__",
     "composite_surface",
+    "infer",
     "make_study",
     "measured_spectrum",
     "read_force_curve",
@@ -43,6 +45,7 @@ __all__ = [
 _MODULES = {
     "InputError": "inputs.errors",
     "composite_surface": "study.schema.bodies",
+    "infer": "inference.library",
     "make_study": "study.study",
     "read_force_curve": "physics.force_curves.curve",
     "measured_spectrum": "results.measured_spectrum",

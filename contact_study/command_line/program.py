@@ -29,6 +29,7 @@ VERBS = {
     "compare": "compare datasets, or report on one: deviations, figures, report",
     "merge": "merge the datasets of one study, run in parts",
     "plot": "draw one picture of a dataset",
+    "infer": "infer work of adhesion, modulus and range from force curves",
     "export": "write a dataset as a table, or for ParaView, OVITO and ASE",
     "keys": "list the keys of a study file: units, defaults, meanings",
 }

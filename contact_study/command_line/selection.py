@@ -1,4 +1,4 @@
-"""The part of a dataset that a command is about: cases by ``--case KEY=VALUE``, a load step by ``--step``."""
+"""Parts of a command's options: cases by ``--case KEY=VALUE``, a load step by ``--step``, other options KEY=VALUE."""
 
 import argparse
 import math
@@ -89,6 +89,14 @@ def one_step(dataset: "xr.Dataset") -> "tuple[xr.Dataset, list[str]]":
     steps = range(dataset.sizes["step"] - 1, -1, -1)
     last = next((n for n in steps if np.isfinite(dataset[name].isel(step=n)).any()), steps[0])
     return dataset.isel(step=last), [f"step {last} (of 0 to {steps[0]})"] if len(steps) > 1 else []
+
+
+def pair(words: str, option: str) -> tuple[str, str | int]:
+    """Part an option's ``KEY=VALUE``; the number of a curve is whole."""
+    key, equals, value = words.partition("=")
+    if not equals:
+        raise InputError(f"{option} {words}: expected KEY=VALUE")
+    return key.strip(), int(value) if key.strip() == "curve" and value.strip().isdigit() else value.strip()
 
 
 def _same(value: Any, asked: str, coordinate: "xr.DataArray") -> bool:

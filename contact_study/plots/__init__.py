@@ -1,7 +1,7 @@
 """Pictures of datasets, one call each: an xarray dataset in, Matplotlib axes out.
 
-Each function draws on the axes it is given, or on those of a new figure, which is ``axes.figure``; none touches
-pyplot's state or any setting.
+Each function draws on the axes it is given, or on those of a new figure, which is ``axes.figure``; ``inference`` has
+several and returns the figure. None touches pyplot's state or any setting.
 """
 
 from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
@@ -15,6 +15,7 @@ from contact_study.plots.densities import (
     surface_spectrum,
 )
 from contact_study.plots.force_curves import force_curve
+from contact_study.plots.inference import inference
 from contact_study.plots.maps import atoms, contact_map, gap_map, height_map, pressure_map, section
 from contact_study.plots.measured_spectra import measured_spectra
 from contact_study.plots.patches import leakage, patch_sizes
@@ -34,6 +35,7 @@ __all__ = [
     "gap_map",
     "height_map",
     "hysteresis_loop",
+    "inference",
     "leakage",
     "mean_gap",
     "measured_spectra",

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_study.command_line.frame import epilog
-from contact_study.command_line.selection import add_selection, one_case, one_step, opened, selected
+from contact_study.command_line.selection import add_selection, one_case, one_step, opened, pair, selected
 from contact_study.inputs.errors import DONE, InputError
 
 # Of a picture: its function in contact_study.plots, whether it shows one case and one load step alone, and what it is.
@@ -90,13 +90,6 @@ def _of_force(given: argparse.Namespace) -> dict[str, Any]:
         return {}
     from contact_study import read_force_curve
 
-    reading = dict(_pair(words) for words in given.reading)
+    reading = dict(pair(words, "--reading") for words in given.reading)
     curves = [read_force_curve(path, **reading) for path in given.measured]
     return {"measured": curves, "theories": given.theory, **({"against": given.against} if given.against else {})}
-
-
-def _pair(words: str) -> tuple[str, str | int]:
-    key, equals, value = words.partition("=")
-    if not equals:
-        raise InputError(f"--reading {words}: expected KEY=VALUE")
-    return key.strip(), int(value) if key.strip() == "curve" and value.strip().isdigit() else value.strip()

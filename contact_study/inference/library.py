@@ -1,0 +1,101 @@
+"""Inference from Python: measured curves in, a dataset of estimates with intervals out."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from contact_study.inference.curves import MeasuredCurve, check_alike, measured_curve
+from contact_study.inference.dataset import dataset_of
+from contact_study.inference.fit import Fit, fit, profile
+from contact_study.inference.parameters import PHYSICAL, prescribed
+from contact_study.inference.spheres import MODELS
+from contact_study.inference.starts import starts
+from contact_study.inputs.errors import InputError
+from contact_study.physics.force_curves.curve import read_force_curve
+from contact_study.study.schema.keys import suggestion
+
+THEORIES = ("jkr", "dmt", "maugis")  # compared by default
+
+
+def infer(
+    curves: xr.Dataset | str | Path | Sequence[xr.Dataset | str | Path],
+    models: Sequence[str] | None = None,
+    *,
+    fixed: Mapping[str, Any] | None = None,
+    prior: Mapping[str, Any] | None = None,
+    noise: Mapping[str, Any] | None = None,
+    spring_constant: float | str | None = None,
+    reading: Mapping[str, Any] | None = None,
+) -> xr.Dataset:
+    """Infer work of adhesion, modulus, radius and range from measured force curves or JKR tests.
+
+    Parameters
+    ----------
+    curves : xarray.Dataset, path-like or a sequence of them
+        Curves of :func:`contact_study.read_force_curve`, or their files. All share the parameters of the contact; each
+        has zeros of displacement and force of its own.
+    models : sequence of str, optional
+        ``"hertz"``, ``"jkr"``, ``"dmt"``, ``"maugis"``; default: the last three.
+    fixed : mapping, optional
+        Known values, such as ``{"radius": "10 um"}``. Names: ``work_of_adhesion``, ``contact_modulus``, ``radius``,
+        ``range``, ``force_scale`` (fixed at 1 by default), ``displacement_zero``, ``force_zero``.
+    prior : mapping, optional
+        Values known with a standard error, ``{"modulus": "2 +- 0.2 MPa"}``.
+    noise : mapping, optional
+        Standard errors of ``force``, ``displacement`` and ``contact_radius``. Default: columns of uncertainty in the
+        file, or estimates from the baseline, scaled to the residuals.
+    spring_constant : float or str, optional
+        Stiffness of the cantilever (N/m). Errors then follow piezo and deflection, and only states that the spring
+        holds are fitted. Default: the one that the curve was read with.
+    reading : mapping, optional
+        Options of :func:`contact_study.read_force_curve` for files.
+
+    Returns
+    -------
+    xarray.Dataset
+        On ``model``: each parameter with ``..._lower`` and ``..._upper``, its 90 % interval by profile likelihood, the
+        profiles, correlations, Tabor parameter, BIC, residuals and fitted lines; in words the attribute ``notes``.
+
+    Raises
+    ------
+    InputError
+        If a curve shows no contact, drifts, has too few points or missing numbers, or a parameter is not determined.
+
+    Examples
+    --------
+    >>> found = contact_study.infer("curve.csv", fixed={"radius": "5 um"})  # doctest: +SKIP
+    >>> found.work_of_adhesion.sel(model="jkr").item()  # doctest: +SKIP
+    """
+    chosen = _models(models)
+    measured = _measured(curves, noise or {}, spring_constant, reading or {})
+    known = prescribed(fixed or {}, prior or {})
+    found: dict[str, Fit] = {}
+    for name in chosen:
+        problem, first = starts(MODELS[name], measured, known, [*found.values()])
+        found[name] = fit(problem, first)
+        for label in reversed(PHYSICAL):  # the range first: the valley along it is the most bent
+            if label in problem.labels:
+                found[name].profiles[label] = profile(found[name], label)
+    return dataset_of(found, measured)
+
+
+def _models(models: Sequence[str] | None) -> list[str]:
+    chosen = list(dict.fromkeys(models or THEORIES))
+    for name in chosen:
+        if name not in MODELS:
+            raise InputError(f"model {name}: is unknown{suggestion(name, MODELS)}; there is {', '.join(MODELS)}")
+    return chosen
+
+
+def _measured(
+    curves: Any, noise: Mapping[str, Any], spring_constant: float | str | None, reading: Mapping[str, Any]
+) -> list[MeasuredCurve]:
+    given = [curves] if isinstance(curves, xr.Dataset | str | Path) else list(curves)
+    if not given:
+        raise InputError("curves: there is none; give a file or a dataset of read_force_curve")
+    read = [one if isinstance(one, xr.Dataset) else read_force_curve(one, **reading) for one in given]
+    found = [measured_curve(one, noise, spring_constant) for one in read]
+    check_alike(found)
+    return found

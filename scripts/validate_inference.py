@@ -1,0 +1,148 @@
+"""Synthetic experiments of known constants, with noise: how often the 90 % intervals of an inference hold them.
+
+python -m scripts.validate_inference spheres
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from contact_study.inference.library import infer
+from contact_study.physics.spheres import JKR, MaugisDugdale, SphereTheory
+from scripts.harness import Option, program, show
+
+EXPERIMENTS = 50
+POINTS = 150  # of a force curve on each way
+_ABBREVIATED = {"work_of_adhesion": "w", "contact_modulus": "E*", "range": "range"}
+
+
+class Experiment(NamedTuple):
+    """A synthetic curve, its true constants, and what the inference is given."""
+
+    curve: xr.Dataset
+    truth: Mapping[str, float]
+    options: Mapping[str, object]
+
+
+def run(given: argparse.Namespace) -> None:
+    rows = [row for name, make in KINDS[given.what].items() for row in covered(name, make, given.experiments)]
+    show(("experiments", "parameter", "true value inside", "error", "half width of the interval", "seconds each"), rows)
+
+
+def covered(name: str, make: Callable[[int], Experiment], count: int) -> list[tuple[object, ...]]:
+    """Rows of a table: how many intervals hold the true value, and medians of error and width."""
+    inside: dict[str, list[bool]] = {}
+    errors: dict[str, list[float]] = {}
+    widths: dict[str, list[float]] = {}
+    began = time.process_time()
+    for seed in range(count):
+        one = make(seed)
+        found = infer(one.curve, **one.options).isel(model=0)
+        for parameter, true in one.truth.items():
+            low, high = (float(found[f"{parameter}_{end}"]) for end in ("lower", "upper"))
+            inside.setdefault(parameter, []).append(not (low > true or high < true))  # NaN: open
+            errors.setdefault(parameter, []).append(abs(float(found[parameter]) / true - 1))
+            widths.setdefault(parameter, []).append(0.5 * (high - low) / true)
+        print(f"{name} {seed}: {[(p, v[-1]) for p, v in inside.items()]}", file=sys.stderr)
+    seconds = (time.process_time() - began) / count
+    return [
+        (
+            name,
+            _ABBREVIATED[parameter],
+            f"{sum(held)} of {count}",
+            f"{100 * np.median(errors[parameter]):.1f} %",
+            _per_cent(widths[parameter]),
+            f"{seconds:.1f}",
+        )
+        for parameter, held in inside.items()
+    ]
+
+
+def _per_cent(widths: list[float]) -> str:
+    closed = np.isfinite(widths)
+    if closed.mean() < 0.5:
+        return "open"
+    return f"{100 * np.median(np.array(widths)[closed]):.1f} %"
+
+
+def jkr_probe(seed: int) -> Experiment:
+    """A soft sphere on a cantilever."""
+    random = np.random.default_rng(seed)
+    theory = JKR(5e-6, 1e6 * random.lognormal(0, 0.3), 0.05 * random.lognormal(0, 0.3))
+    pull = -theory.pull_off_force
+    curve = on_spring(theory, 1.5 * pull, pull / 1e-6, random, 0.02 * pull, 2e-9)
+    options = {"models": ["jkr"], "fixed": {"radius": 5e-6}, "spring_constant": pull / 1e-6}
+    return Experiment(curve, _truth(theory), options)
+
+
+def maugis_probe(seed: int) -> Experiment:
+    """A sphere between JKR's and DMT's limits, on a stiff cantilever."""
+    random = np.random.default_rng(seed)
+    work, modulus, radius = 0.05 * random.lognormal(0, 0.2), 1e8 * random.lognormal(0, 0.2), 1e-6
+    length = np.cbrt(radius * (work / modulus) ** 2)
+    reach = length / random.uniform(0.5, 1.5)  # Tabor parameter
+    theory = MaugisDugdale(radius, modulus, work, work / reach)
+    pull = -theory.pull_off_force
+    curve = on_spring(theory, 1.5 * pull, 10 * pull / length, random, 0.01 * pull, 0.005 * length)
+    options = {"models": ["maugis"], "fixed": {"radius": radius}, "spring_constant": 10 * pull / length}
+    return Experiment(curve, _truth(theory) | {"range": float(reach)}, options)
+
+
+def jkr_test(seed: int) -> Experiment:
+    """Contact radii under forces, with errors of the radius."""
+    random = np.random.default_rng(seed)
+    theory = JKR(1e-3, 1e6 * random.lognormal(0, 0.3), 0.05 * random.lognormal(0, 0.3))
+    forces = np.linspace(-0.8, 4.0, 25) * -theory.pull_off_force
+    radii = np.array([theory.at_force(force)[2] for force in forces])
+    radii = radii + 0.01 * radii.max() * random.normal(size=radii.size)
+    curve = xr.Dataset({"total_force": ("point", forces), "contact_radius": ("point", radii)})
+    return Experiment(curve, _truth(theory), {"models": ["jkr"], "fixed": {"radius": 1e-3}})
+
+
+def _truth(theory: JKR | MaugisDugdale) -> dict[str, float]:
+    return {"work_of_adhesion": theory.work_of_adhesion, "contact_modulus": theory.contact_modulus}
+
+
+def on_spring(
+    theory: SphereTheory, force: float, stiffness: float, random: np.random.Generator, noise: float, jitter: float
+) -> xr.Dataset:
+    """Curve of a sphere on a spring (N/m) up to a force (N), with noise of force (N) and of the machine (m)."""
+    states = theory.curve(force, points=20_000)
+    at = states.displacement + states.force / stiffness
+    fold = at.size - 1 - int(np.argmax(np.diff(at)[::-1] < 0)) if (np.diff(at) < 0).any() else 0
+    tip = int(np.argmax(np.diff(at) < 0)) if fold else 0
+    machine = np.linspace(at[fold] - 0.7 * (at[-1] - at[fold]), at[-1], POINTS)
+    loose = np.interp(machine, at[: tip + 1], states.force[: tip + 1], left=0.0)
+    pressed = np.interp(machine, at[fold:], states.force[fold:])
+    way_in = np.where(machine > max(at[tip], states.displacement[0]), pressed, np.where(machine < at[0], 0.0, loose))
+    way_out = np.where(machine > at[fold], pressed, loose)
+    moved = np.concatenate([machine, machine[::-1]])
+    forces = np.concatenate([way_in, way_out[::-1]])
+    moved = moved + jitter * random.normal(size=moved.size)
+    forces = forces + noise * random.normal(size=forces.size)
+    branch = np.repeat([0, 1], POINTS)
+    values = {"total_force": ("point", forces), "displacement": ("point", moved - forces / stiffness)}
+    return xr.Dataset(values, {"branch": ("point", branch)}, {"title": "synthetic"})
+
+
+KINDS = {
+    "spheres": {
+        "soft probe on a cantilever, JKR": jkr_probe,
+        "probe of Tabor parameter 0.5 to 1.5, Maugis": maugis_probe,
+        "JKR test": jkr_test,
+    },
+}
+
+main = program(
+    run,
+    Option("what", str, "which experiments", choices=tuple(KINDS)),
+    Option("--experiments", EXPERIMENTS, "number of each"),
+)
+
+if __name__ == "__main__":
+    sys.exit(main())
