@@ -95,7 +95,8 @@ def _measured(
     given = [curves] if isinstance(curves, xr.Dataset | str | Path) else list(curves)
     if not given:
         raise InputError("curves: there is none; give a file or a dataset of read_force_curve")
-    read = [one if isinstance(one, xr.Dataset) else read_force_curve(one, **reading) for one in given]
+    options = dict(reading) if spring_constant is None else {"spring_constant": spring_constant, **reading}
+    read = [one if isinstance(one, xr.Dataset) else read_force_curve(one, **options) for one in given]
     found = [measured_curve(one, noise, spring_constant) for one in read]
     check_alike(found)
     return found

@@ -18,7 +18,7 @@ from tests.commands import main
 from tests.documentation.test_pages import PAGES, SHELL, blocks
 
 # Not the sphere and rubber, which are large.
-TUTORIALS = {"quickstart", "tutorial_own_surface", "tutorial_ensemble", "tutorial_theory"}
+TUTORIALS = {"quickstart", "tutorial_own_surface", "tutorial_ensemble", "tutorial_inference", "tutorial_theory"}
 HOWTOS = {"howto_bodies", "howto_cluster", "howto_export", "howto_force_curves", "howto_heights", "howto_run"}
 RUN = [page for page in PAGES if page.stem in {"README", *HOWTOS, *TUTORIALS}]
 # What makes an environment; the tests are in one.
@@ -38,6 +38,9 @@ def prepare(page, folder):
         (folder / "sphere.toml").write_text(example("sphere"))
         assert main(bem_adhesion.study.model.MODEL, [str(folder / "sphere.toml"), *small]) == 0
         (folder / "jkr_test.csv").write_text("displacement (nm), force (nN), radius (nm)\n0, -1, 2\n1, 1, 3\n")
+    if page.stem == "tutorial_inference":  # its curve
+        example_of_curve = Path(__file__).parents[2] / "examples" / "infer_adhesion.py"
+        in_shell(f"cd {folder} && python {example_of_curve}", folder, PYTHONPATH=str(Path(__file__).parents[2]))
     arguments = [str(folder / "study.toml"), "--workers", "1", *_SMALL]
     arguments += ["--interaction.well_depth_ratio", "1,8", "--surface.seed", "1,2"]
     if page.stem == "howto_export":

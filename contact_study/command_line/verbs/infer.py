@@ -14,7 +14,7 @@ from contact_study.inputs.errors import DONE, InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-USAGE = "CURVE ... [--fixed KEY=VALUE] [--prior KEY=VALUE] [-o FIT.nc] [--figure PICTURE]"
+USAGE = "CURVE ... [--fixed KEY=VALUE] [--prior KEY=VALUE] [-o FIT.nc] [--figure FILE]"
 END = epilog(
     'bem-adhesion infer curve.csv --fixed radius="5 um" --spring "0.1 N/m" -o fit.nc --figure fit.png',
     'bem-adhesion infer jkr_test.csv --model jkr --fixed radius="1 mm" --prior modulus="2 +- 0.2 MPa"',
@@ -38,7 +38,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     words = "how to read the curves, such as positive_force=tension"
     parser.add_argument("--reading", action="append", default=[], metavar="KEY=VALUE", help=words)
     parser.add_argument("-o", "--output", metavar="FIT.nc", help="dataset to write")
-    parser.add_argument("--figure", metavar="PICTURE", help="figure of fit, residuals and profiles to write")
+    parser.add_argument("--figure", metavar="FILE", help="figure of fit, residuals and profiles to write")
     parser.add_argument("--overwrite", action="store_true", help="replace existing files")
 
 
