@@ -1,9 +1,8 @@
 """From a measured curve back to the work of adhesion
 ===================================================
 
-A soft sphere on a cantilever is pressed on a flat and pulled off; here the curve is made by JKR's theory, with noise. The
-inference compares three theories and gives 90 % intervals. The file has the columns of a microscope, piezo and
-deflection.
+A soft sphere on a cantilever is pressed on a flat and pulled off. Here JKR's theory makes the curve, with noise. The
+inference compares three theories and gives 90 % intervals.
 """
 
 import numpy as np

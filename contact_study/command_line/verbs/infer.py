@@ -14,7 +14,7 @@ from contact_study.inputs.errors import DONE, InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-USAGE = "CURVE ... [--fixed KEY=VALUE] [--prior KEY=VALUE] [-o FIT.nc] [--figure FILE]"
+USAGE = "CURVE ... [--fixed KEY=VALUE] [--prior KEY=VALUE] [-o FIT.nc]"
 END = epilog(
     'bem-adhesion infer curve.csv --fixed radius="5 um" --spring "0.1 N/m" -o fit.nc --figure fit.png',
     'bem-adhesion infer jkr_test.csv --model jkr --fixed radius="1 mm" --prior modulus="2 +- 0.2 MPa"',
