@@ -1,19 +1,15 @@
 """The view of a page as lines of Python, which also draw the files that the page exports."""
 
-import csv
 import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
-
 from contact_study.campaign.store.files import engine_of
-from contact_study.explore.selection import LoadPath, Model
+from contact_study.report.read.lazy import Model
 from contact_study.results.schema import LABELS
 
 _MAPS = {"height": "height_map", "gap": "gap_map", "pressure": "pressure_map"}
-_COLUMNS = ("mean_pressure", "relative_contact_area", "mean_gap", "displacement", "total_force")
 Ends = tuple[tuple[float, float], tuple[float, float]]
 
 
@@ -55,25 +51,8 @@ def drawn(code: str, kind: str) -> io.BytesIO:
     return stream
 
 
-def table(cases: Mapping[str, xr.Dataset], paths: Mapping[str, LoadPath]) -> io.StringIO:
-    """The states of the cases of models along their paths as a table (SI) with commas."""
-    stream = io.StringIO()
-    writer = csv.writer(stream)
-    known = [name for name in _COLUMNS if any(name in case for case in cases.values())]
-    writer.writerow(["model", "step", "branch", "prescribed", *known])
-    for name, case in cases.items():
-        path = paths[name]
-        for place, step in enumerate(path.steps):
-            values = [float(case[one][step]) if one in case else "" for one in known]
-            way = "unloading" if path.unloading[place] else "loading"
-            writer.writerow([name, int(step), way, path.prescribed[place], *values])
-    stream.seek(0)
-    return stream
-
-
 def datasets_in(folder: Path) -> list[Path]:
     """Datasets of a folder and those that runs in it will make, at most two levels down."""
-    found = {path for level in ("", "*/", "*/*/") for path in folder.glob(f"{level}*.nc")}
-    found |= {path for level in ("", "*/", "*/*/") for path in folder.glob(f"{level}*.zarr")}
+    found = {path for level in ("", "*/", "*/*/") for end in ("nc", "zarr") for path in folder.glob(f"{level}*.{end}")}
     found |= {path.with_suffix("") for level in ("", "*/", "*/*/") for path in folder.glob(f"{level}*.parts")}
     return sorted(path for path in found if not path.name.startswith("."))

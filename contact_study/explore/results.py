@@ -2,49 +2,38 @@
 
 import io
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import panel as pn
 import xarray as xr
 from bokeh.events import RangesUpdate, Tap
 
-from contact_study.explore import figure_code
-from contact_study.explore.pictures import (
-    CURVES,
-    INK,
-    CurvePicture,
-    MapPicture,
-    SectionPicture,
-    curve_view,
-    density_view,
-    in_words,
-    map_view,
-    section_view,
-)
+from contact_study.campaign.dataset.export import table_of
+from contact_study.explore import figure_code, pictures
 from contact_study.explore.selection import (
     LoadPath,
-    Model,
     fields_of,
+    in_words,
     load_path,
     nearest_point,
-    open_models,
     state_of,
     sweep_menus,
 )
 from contact_study.inputs.errors import InputError
 from contact_study.physics.force_curves.curve import read_force_curve
+from contact_study.plots.maps import Colouring
+from contact_study.report.read.lazy import Model, open_models
 
 _KEPT = "kept state"
 _MAPS = {"gap": "gap", "contact": "contact", "pressure": "pressure", "patches": "clusters", "heights": "height"}
 _MEASURED = (".csv", ".txt", ".dat", ".ibw", ".jpk-force", ".h5")
-_TABS = (
-    {"relative_contact_area": "Contact area", "mean_gap": "Mean gap", "force": "Force"},
-    {"pressure": "P(σ)", "gap": "P(u)"},
-)
+_TABS = (pictures.CURVES, {"pressure": "Stress P(σ)", "gap": "Gap P(u)"})
 _STEP = 700  # milliseconds of a state while the page plays
 
 
@@ -84,10 +73,11 @@ class ResultsPage(pn.viewable.Viewer):
         self.folder, self.paths, self.models = folder, list[Path](), dict[str, Model]()
         self.kept: tuple[str, xr.Dataset, int] | None = None  # words, case and step of a state to compare with
         self.ends: figure_code.Ends | None = None  # of the section
-        self.held: tuple[float, float] | None = None  # ends of the colours for all states
+        self.held: Colouring | None = None  # colours of all states
         self._shown: dict[str, Any] = {}  # pictures by their keys
         self._views: dict[str, Callable[..., Any]] = {}  # of the maps, for a window
         self._known: tuple[Any, dict[str, xr.Dataset], dict[str, LoadPath]] | None = None
+        self._drawn: Any = None  # the cases whose curves are drawn
         self._busy = False
         select = partial(pn.widgets.Select, sizing_mode="stretch_width")
         self.files = pn.widgets.MultiChoice(name="Datasets", options={}, sizing_mode="stretch_width")
@@ -98,7 +88,8 @@ class ResultsPage(pn.viewable.Viewer):
         self.beside = select(name="Compare with", options={"nothing": ""})
         self.how = select(name="Show", options=["side by side", "difference"])
         self.measured = select(name="Measured force curve")
-        self.load = pn.widgets.IntSlider(name="State on the loading path", start=0, end=1, sizing_mode="stretch_width")
+        self.load = pn.widgets.IntSlider(name="State on the loading path", start=0, end=1, show_value=False)
+        self.load.sizing_mode = "stretch_width"
         self.play = pn.widgets.Toggle(name="▶ Play", width=90, align="end")
         self.words, self.fault = pn.pane.HTML(margin=(0, 10)), pn.pane.HTML(styles={"color": "#d0342c"})
         self.pictures = pn.FlexBox(sizing_mode="stretch_width", gap="4px 12px")
@@ -174,7 +165,7 @@ class ResultsPage(pn.viewable.Viewer):
     def _build(self, *_: Any) -> None:
         """Draw all again."""
         if not self._busy:
-            self._shown, self.held = {}, None
+            self._shown, self.held, self._drawn = {}, None, None
             self._show()
 
     def _show(self, event: Any = None) -> None:
@@ -208,7 +199,9 @@ class ResultsPage(pn.viewable.Viewer):
         if lead not in cases:
             raise ValueError("no state: the model has no such point of the sweep, or its run has not come so far")
         last = paths[lead].steps.size - 1
-        self._set(self.load, end=max(1, last), value=min(self.load.value, last))
+        place = min(self.load.value, last)
+        words = f"State {place + 1} of {last + 1}: {paths[lead].words[place]}"
+        self._set(self.load, end=max(1, last), value=place, name=words)
         places = {name: path.nearest(paths[lead], self.load.value) for name, path in paths.items()}
         places[lead] = self.load.value
         steps = {name: int(paths[name].steps[place]) for name, place in places.items()}
@@ -225,36 +218,43 @@ class ResultsPage(pn.viewable.Viewer):
             widget.visible = bool(seen)
         if field is not None:
             self._show_maps(cases, steps, field, beside)
-        measured = [read_force_curve(self.measured.value)] if self.measured.value else []
-        for kind, title in CURVES.items():
-            if (view := curve_view(cases, kind, measured)) is not None:
-                self._picture(kind, view, partial(CurvePicture, title=title)).now.data = view.at(places)
-        for of, title in (("pressure", "Distribution of stress"), ("gap", "Distribution of gaps")):
-            if (density := density_view(cases, steps, of)) is not None:
-                self._picture(of, density, partial(CurvePicture, title=title, log=True))
+        if self._drawn is not cases:  # curves are those of a case, not of a state
+            self._drawn, measured = cases, [read_force_curve(self.measured.value)] if self.measured.value else []
+            for kind in pictures.CURVES:
+                if (view := pictures.curve_view(cases, kind, measured)) is not None:
+                    self._picture(kind, view, pictures.CurvePicture)
+        for kind in pictures.CURVES.keys() & self._shown.keys():
+            self._shown[kind].now.data = pictures.states_now(self._shown[kind].view, places)
+        for of in _TABS[1]:
+            if (density := pictures.density_view(cases, steps, of)) is not None:
+                self._picture(of, density, partial(pictures.CurvePicture, size=(430, 140)))
 
     def _show_maps(self, cases: Mapping[str, xr.Dataset], steps: Mapping[str, int], field: str, beside: str) -> None:
-        lead, words = self.lead.value, next(words for words, name in _MAPS.items() if name == field)
-        shown, title = [(state_of(cases[lead], steps[lead], field), None)], words.capitalize()
-        titles = [title]
+        lead, title = self.lead.value, next(words for words, name in _MAPS.items() if name == field).capitalize()
+        state = state_of(cases[lead], steps[lead], field, "section")
+        self.state, shown = state, {title: (state, None)}
+        if beside == _KEPT and self.kept is not None:
+            words, case, step = self.kept
+        elif beside:
+            words, case, step = self.models[beside].entry.label, cases[beside], steps[beside]
         if beside:
-            case, step = self.kept[1:] if beside == _KEPT and self.kept else (cases[beside], steps[beside])
-            second, label = state_of(case, step, field), self.kept[0] if beside == _KEPT and self.kept else beside
+            other = state_of(case, step, field)
             if self.how.value == "difference":
-                shown, titles = [(shown[0][0], second)], [f"{title} minus that of {label}"]
+                shown = {f"{title} minus that of {words}": (state, other)}
             else:
-                shown, titles = [*shown, (second, None)], [title, f"{title}: {label}"]
-        for number, ((state, minus), title) in enumerate(zip(shown, titles, strict=True)):
-            key, held = f"map{number}", self.held if minus is None else None
-            self._views[key] = partial(map_view, state, field, held=held, minus=minus)
-            window = self._shown[key].window if key in self._shown else None
-            view = self._views[key](window=window)
-            if self.held is None and minus is None and (self.hold.value or number == 0 < len(shown) - 1):
-                self.held = (view.look.low, view.look.high) if self.hold.value else None
-            self._picture(key, view, partial(MapPicture, title=title))
-        if "height" in fields_of(cases[lead]):
-            view_of_section = section_view(state_of(cases[lead], steps[lead], "section"), self.ends)
-            self._picture("section", view_of_section, SectionPicture)
+                shown[f"{title}: {words}"] = other, None
+        found = {}
+        for number, (one, minus) in enumerate(shown.values()):
+            key = f"map{number}"
+            self._views[key] = partial(pictures.map_view, one, field, minus=minus)
+            found[key] = self._views[key](window=self._shown[key].window if key in self._shown else None)
+        looks = [view.look for view in found.values()]
+        own = replace(max(looks, key=lambda look: look.high), low=min(look.low for look in looks))
+        self.held = (self.held or own) if self.hold.value else None
+        for (key, view), title in zip(found.items(), shown, strict=True):
+            self._picture(key, view.within(self.held or own), partial(pictures.MapPicture, title=title))
+        if "height" in state:
+            self._picture("section", pictures.section_view(state, self.ends), pictures.SectionPicture)
 
     def _picture(self, key: str, view: Any, make: Callable[[Any], Any]) -> Any:
         """The picture of a key with this view; made, and connected, where there is none."""
@@ -262,21 +262,28 @@ class ResultsPage(pn.viewable.Viewer):
             self._shown[key].show(view)
             return self._shown[key]
         picture = self._shown[key] = make(view)
-        if key in CURVES:
+        if key in pictures.CURVES:
             picture.figure.on_event(Tap, partial(self._tapped, key))
         elif key.startswith("map"):
-            picture.figure.on_event(RangesUpdate, lambda _: picture.show(self._views[key](window=picture.window)))
-            picture.line.on_change("data", lambda _, __, line: self._cut(line, picture.lengths.size))
+            picture.figure.on_event(RangesUpdate, partial(self._zoomed, key))
+            picture.line.on_change("data", lambda _, __, line: self._cut(line, picture.view.lengths.size))
         return picture
 
     def _lay_out(self) -> None:
         """Place the pictures: maps, curves in tabs, section, distributions in tabs."""
-        panes = {key: pn.pane.Bokeh(one.figure, stylesheets=[INK], margin=0) for key, one in self._shown.items()}
+        panes = {
+            key: pn.pane.Bokeh(one.figure, stylesheets=[pictures.INK], margin=0) for key, one in self._shown.items()
+        }
         tabs = [[(words, panes[key]) for key, words in names.items() if key in panes] for names in _TABS]
         maps = [pane for key, pane in panes.items() if key.startswith("map")]
         section = [panes["section"]] if "section" in panes else []
         curves, densities = (pn.Tabs(*own, margin=0) for own in tabs)
         self.pictures[:] = [*maps, curves, *section, densities]
+
+    def _zoomed(self, key: str, _: Any) -> None:
+        """Show the part of a map in view with as many points as it has."""
+        picture = self._shown[key]
+        picture.show(self._views[key](window=picture.window).within(picture.view.look))
 
     def _cut(self, line: Mapping[str, Sequence[float]], unit: float) -> None:
         """Show the section along a line that was drawn on a map."""
@@ -286,16 +293,18 @@ class ResultsPage(pn.viewable.Viewer):
                 self.ends = (y0, x0), (y1, x1)
                 cases, paths = self._cases()
                 step = int(paths[self.lead.value].steps[self.load.value])
-                self._shown["section"].show(section_view(state_of(cases[self.lead.value], step, "section"), self.ends))
+                self._shown["section"].show(
+                    pictures.section_view(state_of(cases[self.lead.value], step, "section"), self.ends)
+                )
 
     def _tapped(self, kind: str, event: Tap) -> None:
         """Go to the state of the model of the maps that is nearest to a click on a curve."""
-        view = self._shown[kind].view
-        own = [n for n, model in enumerate(view.points["model"]) if model == self.lead.value]
-        x, y = (np.array(view.points[axis])[own] for axis in "xy")
-        found = nearest_point(x, y, (event.x, event.y), (view.span("x"), view.span("y")))
+        states = self._shown[kind].view.sources["states"]
+        own = [n for n, model in enumerate(states["model"]) if model == self.lead.value]
+        x, y = (np.array(states[axis])[own] for axis in "xy")
+        found = nearest_point(x, y, (event.x, event.y), (np.ptp(x) or 1.0, np.ptp(y) or 1.0)) if own else None
         if found is not None:
-            self.load.value = view.points["place"][own[found]]
+            self.load.value = states["place"][own[found]]
 
     def _chose(self, event: Any) -> None:
         if not self._busy:
@@ -314,7 +323,9 @@ class ResultsPage(pn.viewable.Viewer):
         cases, paths = self._cases()
         name = self.lead.value
         if kind == "csv":
-            return figure_code.table(cases, paths)
+            frames = {name: table_of(case) for name, case in cases.items()}
+            joined = pd.concat([frame.assign(model=name) for name, frame in frames.items()])
+            return io.StringIO(joined.set_index("model").to_csv())
         step, field = int(paths[name].steps[self.load.value]), self.field.value if self.field.visible else None
         chosen = {key: value for key, value in self.chosen.items() if key in self.models[name].dataset.dims}
         code = figure_code.figure_code(self.models[name], chosen, step, field, self.ends)

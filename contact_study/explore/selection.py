@@ -3,94 +3,22 @@
 Datasets are read lazily: a page shows one state of thousands. Nothing here needs a browser.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset.unfinished import read_unfinished
-from contact_study.campaign.store.files import engine_of, is_dataset, readable, require_dataset
 from contact_study.inputs import units
-from contact_study.inputs.errors import InputError
 from contact_study.plots.selection import UNLOADING, fit_states, label, one_state, touching
-from contact_study.report.models import ShownModel, entry_of, known, of_file
-from contact_study.report.read.datasets import tails
-from contact_study.report.read.files import require_own
-from contact_study.report.read.load_steps import positions, swept_dims
-from contact_study.results.schema import LABELS
+from contact_study.report.read.lazy import Model
+from contact_study.report.read.load_steps import swept_dims
 
 _PRESCRIBED = ("applied_pressure", "applied_gap", "applied_approach")
-_PLANE = {"y", "x", "y_index", "x_index", "node", "site_y", "site_x"}  # dimensions of what is read state by state
+_NEEDS = {"contact": ("gap",), "clusters": ("gap",), "section": ("gap", "height")}
 FIELDS = ("gap", "pressure", "height", "contact", "clusters")
 """What a map can show: fields of a dataset, and two that follow from the gap."""
-
-
-@dataclass(frozen=True)
-class Model:
-    """One model of one file."""
-
-    name: str  # of its entry
-    path: Path
-    dataset: xr.Dataset  # read lazily
-
-    @property
-    def entry(self) -> ShownModel:
-        return entry_of(self.name)
-
-    def case(self, chosen: Mapping[str, Any]) -> xr.Dataset | None:
-        """The case at a point of the sweep, its fields still in the file; None where the model has no such point.
-
-        Keys that the model does not sweep do not count; one that is not chosen has its first value.
-        """
-        dims = {dim: self.dataset[dim].values for dim in swept_dims(self.dataset)}
-        try:
-            places = dict.fromkeys(dims, 0) | positions(dims, chosen)
-        except KeyError:
-            return None
-        part = self.dataset.isel(places)
-        part = part.swap_dims({f"{axis}_index": axis for axis in ("y", "x") if f"{axis}_index" in part.dims})
-        for variable in part.variables.values():
-            if not _PLANE.intersection(variable.dims):
-                variable.load()
-        return part
-
-
-def open_models(paths: Sequence[Path]) -> dict[str, Model]:
-    """Open the models of one or several datasets, or of runs that are not finished, by name in the order given.
-
-    Raises
-    ------
-    InputError
-        If a path leads to no dataset of this project.
-    """
-    roots = {path: _open(path) for path in dict.fromkeys(paths)}
-    ends = tails({path: str(root.attrs["model"]) for path, root in roots.items()})
-    found: dict[str, Model] = {}
-    theory = LABELS[0]
-    for path, root in roots.items():
-        if theory not in root.coords:
-            name = of_file(str(root.attrs["model"]), ends[path])
-            found[name] = Model(name, path, root)
-            continue
-        for one in filter(known, map(str, np.atleast_1d(root[theory].values))):
-            own = root.sel({theory: one}) if theory in root.dims else root
-            found[of_file(one, ends[path])] = Model(of_file(one, ends[path]), path, own.drop_vars(theory))
-    return found
-
-
-def _open(path: Path) -> xr.Dataset:
-    if not is_dataset(path) and (growing := read_unfinished(path)) is not None:
-        return growing
-    require_dataset(path)
-    with readable(path):
-        root = xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False)
-    require_own(path, root.attrs)
-    if "step" not in root.dims:
-        raise InputError(f"{path}: holds no load steps; give the dataset of a run")
-    return root
 
 
 def sweep_menus(models: Mapping[str, Model]) -> dict[str, dict[str, Any]]:
@@ -140,18 +68,19 @@ def load_path(case: xr.Dataset) -> LoadPath:
 
 def fields_of(case: xr.Dataset) -> list[str]:
     """The fields of a case that maps can show."""
-    there = {"contact": "gap", "clusters": "gap"}
-    return [name for name in FIELDS if there.get(name, name) in case and "y" in case.dims]
+    return [name for name in FIELDS if "y" in case.dims and all(need in case for need in _NEEDS.get(name, (name,)))]
 
 
-def state_of(case: xr.Dataset, step: int, field: str) -> xr.Dataset:
-    """One state in memory with what a map of a field needs; ValueError where the dataset does not keep it."""
-    needs = {"gap": ["gap"], "contact": ["gap"], "clusters": ["gap"]}.get(field, [field])
-    if needs == ["gap"] and float(case["contact_distance"].values) == 0 and "pressure" in case:
+def state_of(case: xr.Dataset, step: int, *fields: str) -> xr.Dataset:
+    """One state in memory with what maps of fields, or a ``"section"``, need; ValueError where it is not kept.
+
+    A section is left out where the dataset has no heights.
+    """
+    needs = [name for field in fields for name in _NEEDS.get(field, (field,)) if field != "section" or name in case]
+    if "height" in needs:
+        case["height"].load()  # once for all states
+    if "gap" in needs and float(case["contact_distance"].values) == 0 and "pressure" in case:
         needs.append("pressure")  # tells contact from surfaces that are just apart
-    if field == "section":
-        needs += ["gap", "height"]
-        needs.remove("section")
     scalars = [str(name) for name, variable in case.data_vars.items() if not {*variable.dims} - {"step"}]
     kept = [name for name in needs if name in case]
     return one_state(case[[*kept, *scalars]].isel(step=step).load(), *needs)
@@ -162,16 +91,23 @@ def field_of(state: xr.Dataset, name: str) -> np.ndarray:
     return touching(state).astype(np.float32) if name == "contact" else state[name].values
 
 
-def reduced(field: np.ndarray, shape: tuple[int, int], of: Any = np.add) -> np.ndarray:
-    """A field on at most ``shape`` cells: the mean of the points of each, or another reduction ``of`` them."""
-    for axis, most in enumerate(shape):
-        size = field.shape[axis]
-        if size > most:
-            edges = np.linspace(0, size, most, endpoint=False).astype(int)
-            field = of.reduceat(field, edges, axis=axis)
-            if of is np.add:
-                counts = np.diff([*edges, size])
-                field = field / (counts[:, None] if axis == 0 else counts)
+def block_of(size: int, most: int) -> int:
+    """How many points a cell of a map is wide, for ``most`` cells at most."""
+    return -(-size // most)
+
+
+def reduced(field: np.ndarray, most: int, of: Any = np.add) -> np.ndarray:
+    """A field on at most ``most`` cells a side, the last of each side perhaps smaller: means, or a reduction ``of``."""
+    for axis in (0, 1):
+        block = block_of(field.shape[axis], most)
+        if block > 1:
+            field = np.moveaxis(field, axis, 0)
+            whole = len(field) // block * block
+            cells = of.reduce(field[:whole].reshape(-1, block, field.shape[1]), axis=1) / (block if of is np.add else 1)
+            if whole < len(field):
+                rest = of.reduce(field[whole:], axis=0) / (len(field) - whole if of is np.add else 1)
+                cells = np.concatenate([cells, rest[None]])
+            field = np.moveaxis(cells, 0, axis)
     return field
 
 
@@ -188,3 +124,16 @@ def nearest_point(x: np.ndarray, y: np.ndarray, at: tuple[float, float], spans: 
     """Number of the point of a curve nearest to a place on a screen that shows these spans; None without points."""
     distance = np.hypot((x - at[0]) / spans[0], (y - at[1]) / spans[1])
     return int(np.nanargmin(distance)) if np.isfinite(distance).any() else None
+
+
+def in_words(model: Model, case: xr.Dataset, path: LoadPath, place: int) -> str:
+    """One state in a line of text, for everyone and for readers of screens."""
+    step = int(path.steps[place])
+    words = [f"{model.entry.label}, {path.words[place]}"]
+    if "relative_contact_area" in case:
+        words.append(f"contact area {float(case['relative_contact_area'][step]):.3g} A₀")
+    if "mean_gap" in case and np.isfinite(gap := float(case["mean_gap"][step])):
+        words.append(f"mean gap {'−' if gap < 0 else ''}{units.length(abs(gap))}")
+    if not path.fit[place]:
+        words.append("not converged, or detached")
+    return " · ".join(words)

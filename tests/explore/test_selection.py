@@ -11,6 +11,7 @@ from contact_study.campaign.store.case_file import write_case
 from contact_study.explore import selection
 from contact_study.inputs.errors import InputError
 from contact_study.plots.selection import along_line
+from contact_study.report.read.lazy import open_models
 from tests.report import synthetic
 from tests.report.synthetic import LOOP, write, write_all
 
@@ -36,7 +37,7 @@ def waves():
 
 
 def test_models_of_several_files_have_one_name_each(files, loop):
-    models = selection.open_models([*files, loop])
+    models = open_models([*files, loop])
     assert list(models)[:2] == ["continuum:continuum", "atomistic"]
     assert models["continuum:loop"].path == loop
     assert {"persson", "gap_flow"} <= set(models)
@@ -44,7 +45,7 @@ def test_models_of_several_files_have_one_name_each(files, loop):
 
 
 def test_a_case_is_that_of_the_menus_and_none_where_the_model_lacks_it(files):
-    model = next(iter(selection.open_models(files).values()))
+    model = next(iter(open_models(files).values()))
     assert model.case({"well_depth_ratio": 8.0 * (1 + 1e-14)})["well_depth_ratio"] == 8.0
     assert model.case({"well_depth_ratio": 2.0}) is None
     path = selection.load_path(model.case({"well_depth_ratio": 1.0}))
@@ -55,14 +56,14 @@ def test_a_case_is_that_of_the_menus_and_none_where_the_model_lacks_it(files):
 
 
 def test_other_models_show_the_nearest_load_on_the_same_branch(loop):
-    path = selection.load_path(next(iter(selection.open_models([loop]).values())).case({}))
+    path = selection.load_path(next(iter(open_models([loop]).values())).case({}))
     assert path.unloading.any()
     for place in range(path.steps.size):
         assert path.nearest(path, place) == place  # the same load is passed twice
 
 
 def test_a_state_has_the_fields_that_its_map_needs(loop):
-    case = next(iter(selection.open_models([loop]).values())).case({})
+    case = next(iter(open_models([loop]).values())).case({})
     assert {"gap", "contact", "clusters", "pressure", "height"} == set(selection.fields_of(case))
     state = selection.state_of(case, 1, "section")
     with xr.open_dataset(loop) as dataset:
@@ -72,23 +73,17 @@ def test_a_state_has_the_fields_that_its_map_needs(loop):
         selection.state_of(case.drop_vars("pressure"), 1, "pressure")
 
 
-@pytest.mark.parametrize("shape", [(480, 480), (5, 7), (3, 20)])
-def test_cells_of_a_map_keep_its_sum_and_its_place(shape):
+@pytest.mark.parametrize("most", [480, 7, 3])
+def test_cells_of_a_map_are_means_of_their_points_at_their_place(most):
     field = np.random.default_rng(1).random((20, 21))
-    field[3, 5] = np.float64(50)
-    cells = selection.reduced(field, shape)
-    assert cells.shape == tuple(map(min, shape, field.shape))
-    row, column = np.unravel_index(cells.argmax(), cells.shape)
-    for place, number, size, most in zip((row, column), (3, 5), field.shape, cells.shape, strict=True):
-        assert place * size // most <= number < (place + 1) * size / most
-    largest = selection.reduced(field, shape, np.maximum)
-    assert largest.max() == 50
-
-
-def test_cells_of_equal_blocks_are_their_means():
-    field = np.arange(24.0).reshape(4, 6)
-    blocks = field.reshape(2, 2, 3, 2).mean(axis=(1, 3))
-    assert np.allclose(selection.reduced(field, (2, 3)), blocks, rtol=1e-15)
+    cells, largest = selection.reduced(field, most), selection.reduced(field, most, np.maximum)
+    blocks = [selection.block_of(size, most) for size in field.shape]
+    assert cells.shape == tuple(-(-size // block) for size, block in zip(field.shape, blocks, strict=True))
+    assert max(cells.shape) <= most
+    for row, column in np.ndindex(cells.shape):
+        points = field[row * blocks[0] : (row + 1) * blocks[0], column * blocks[1] : (column + 1) * blocks[1]]
+        assert cells[row, column] == pytest.approx(points.mean(), rel=1e-14)
+        assert largest[row, column] == points.max()
 
 
 def test_a_section_is_bilinear_and_leaves_a_periodic_cell(waves):
@@ -128,10 +123,10 @@ def test_the_nearest_point_is_that_on_the_screen():
 
 def test_what_is_no_dataset_is_named(tmp_path):
     with pytest.raises(InputError, match=r"nothing\.nc: does not exist"):
-        selection.open_models([tmp_path / "nothing.nc"])
+        open_models([tmp_path / "nothing.nc"])
     xr.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc")
     with pytest.raises(InputError, match="is no dataset of bem-adhesion"):
-        selection.open_models([tmp_path / "other.nc"])
+        open_models([tmp_path / "other.nc"])
 
 
 def test_a_run_that_grows_has_its_finished_states_as_its_dataset_will_have_them(tmp_path, files):
@@ -144,7 +139,7 @@ def test_a_run_that_grows_has_its_finished_states_as_its_dataset_will_have_them(
             synthetic._values(case, bins, "continuum", load) | {"branch": False, "converged": 1} for load, _ in path
         ]
         write_case(work.case_file(name), synthetic._constants(case, "continuum"), steps, bins, {})
-    case = selection.open_models([work.output])["continuum"].case({"well_depth_ratio": 8})
+    case = open_models([work.output])["continuum"].case({"well_depth_ratio": 8})
     with xr.open_dataset(files[0]) as dataset:
         whole = dataset.sel(well_depth_ratio=8)
         assert selection.load_path(case).steps.tolist() == [0, 1, 2]

@@ -1,5 +1,6 @@
-"""Exports of one case along its path: its fields to ParaView, its atoms to extended XYZ for OVITO and ASE."""
+"""Exports: a table of the steps; of one case along its path fields for ParaView, or atoms as extended XYZ."""
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from contact_study.campaign.store.files import named_file, writable_output, writ
 from contact_study.inputs.errors import InputError
 
 if TYPE_CHECKING:
+    import pandas as pd
     from ase import Atoms
 
 # VTK has no units; the arrays have them in their names.
@@ -84,6 +86,24 @@ def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
         written.append(Path(image))
     series.save()
     return written
+
+
+def table_of(dataset: xr.Dataset, cases: Sequence[str] = ()) -> "pd.DataFrame":
+    """Return what a dataset has for each case, on these dimensions, and load step: a row each, units in the names."""
+    from contact_study.plots.selection import LOADING, UNLOADING  # brings SciPy's images
+
+    dims = [*cases, *(["step"] if "step" in dataset.dims else [])]
+    names = [name for name in dataset.variables if name not in dims and set(dataset[name].dims) <= {*dims}]
+    varying = [name for name in names if "step" in dataset[name].dims or "step" not in dims]
+    frame = dataset[varying].reset_coords().to_dataframe().reset_index()
+    # A path shorter than others is filled up.
+    frame = frame.dropna(subset=["mean_pressure"], how="all") if "mean_pressure" in frame else frame
+    if "branch" in frame:
+        frame["branch"] = frame["branch"].map({LOADING: "loading", UNLOADING: "unloading"})
+    applied = [name for name in frame if str(name).startswith("applied_")]
+    frame = frame[[name for name in dict.fromkeys([*dims, *applied, "branch", *frame]) if name in frame]]
+    units = {name: dataset[name].attrs.get("units", "1") for name in frame if name in dataset.variables}
+    return frame.rename(columns={name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "1")})
 
 
 def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:

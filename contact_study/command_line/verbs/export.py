@@ -2,15 +2,10 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from contact_study.command_line.frame import epilog
 from contact_study.command_line.selection import add_selection, case_dims, one_case, opened, selected
 from contact_study.inputs.errors import DONE, InputError
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 _FORMATS = {
     "csv": (".csv", "table: a row per case and load step, units in the header"),
@@ -37,6 +32,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(given: argparse.Namespace) -> int:
     import contact_study
+    from contact_study.campaign.dataset.export import table_of
     from contact_study.campaign.store.files import named_file, writable_output, write_aside
 
     suffix, _ = _FORMATS[given.form]
@@ -48,7 +44,7 @@ def run(given: argparse.Namespace) -> int:
     with opened(given.file) as dataset:
         chosen = selected(dataset, given.case, given.step)
         if given.form == "csv":
-            table = _table(chosen)
+            table = table_of(chosen, case_dims(chosen))
             writable_output(output)
             write_aside(output, lambda partial: table.to_csv(partial, index=False, float_format="%.9g"))
         else:
@@ -56,21 +52,3 @@ def run(given: argparse.Namespace) -> int:
             write(one_case(chosen, given.file)[0], output)
     print(output)
     return DONE
-
-
-def _table(dataset: "xr.Dataset") -> "pd.DataFrame":
-    """Return what a dataset has for each case and load step, a row for each, units in the names of the columns."""
-    from contact_study.plots.selection import LOADING, UNLOADING
-
-    dims = [*case_dims(dataset), *(["step"] if "step" in dataset.dims else [])]
-    names = [name for name in dataset.variables if name not in dims and set(dataset[name].dims) <= {*dims}]
-    varying = [name for name in names if "step" in dataset[name].dims or "step" not in dims]
-    frame = dataset[varying].reset_coords().to_dataframe().reset_index()
-    # A path shorter than others is filled up.
-    frame = frame.dropna(subset=["mean_pressure"], how="all") if "mean_pressure" in frame else frame
-    if "branch" in frame:
-        frame["branch"] = frame["branch"].map({LOADING: "loading", UNLOADING: "unloading"})
-    applied = [name for name in frame if str(name).startswith("applied_")]
-    frame = frame[[name for name in dict.fromkeys([*dims, *applied, "branch", *frame]) if name in frame]]
-    units = {name: dataset[name].attrs.get("units", "1") for name in frame if name in dataset.variables}
-    return frame.rename(columns={name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "1")})
