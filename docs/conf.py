@@ -1,8 +1,12 @@
 """The documentation site: the pages of this folder, the examples as a gallery, and the library's face."""
 
+import tempfile
+import tomllib
 import warnings
+from pathlib import Path
 
 import contact_study
+from contact_study.explore.static_page import write_static_page
 
 project = "bem-adhesion"
 author = "The bem-adhesion developers"
@@ -46,3 +50,20 @@ sphinx_gallery_conf = {
 
 # Examples draw with pyplot, of which the gallery takes the figures; on a machine without a display nothing is shown.
 warnings.filterwarnings("ignore", message="FigureCanvasAgg is non-interactive")
+
+
+def write_explored(app, exception):
+    """Write the page that docs/howto_explore.md shows: the paper's quick study, loaded and unloaded."""
+    if exception is not None or app.builder.format != "html":
+        return
+    study = tomllib.loads(Path(app.srcdir, "../data/yang2008_quick.toml").read_text(encoding="utf-8"))
+    study["loading"]["unload"] = True
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the grid of the quick study is coarse
+        contact_study.run(study, output=Path(folder, "bem.nc"))
+        write_static_page([Path(folder, "bem.nc")], Path(app.outdir, "yang2008_explored.html"))
+
+
+def setup(app):
+    """Connect what the build writes beside the pages."""
+    app.connect("build-finished", write_explored)

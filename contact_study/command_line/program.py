@@ -30,6 +30,7 @@ VERBS = {
     "merge": "merge the datasets of one study, run in parts",
     "plot": "draw one picture of a dataset",
     "infer": "infer work of adhesion, modulus and range from force curves",
+    "explore": "look at datasets on a page in the browser, or write it as a file",
     "export": "write a dataset as a table, or for ParaView, OVITO and ASE",
     "keys": "list the keys of a study file: units, defaults, meanings",
 }

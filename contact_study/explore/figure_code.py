@@ -3,6 +3,7 @@
 import io
 from collections.abc import Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from contact_study.campaign.store.files import engine_of
@@ -20,7 +21,7 @@ def figure_code(model: Model, chosen: Mapping[str, Any], step: int, field: str |
     """
     engine = ', engine="zarr"' if engine_of(model.path) == "zarr" else ""
     at = {name: getattr(value, "item", lambda value=value: value)() for name, value in chosen.items()}
-    if LABELS[0] not in model.dataset.dims and model.entry.file == "theory":
+    if LABELS[0] in model.root.dims:
         at[LABELS[0]] = model.name.partition(":")[0]
     lines = [
         "import xarray as xr",
@@ -41,10 +42,10 @@ def figure_code(model: Model, chosen: Mapping[str, Any], step: int, field: str |
     return "\n".join([*lines, 'figure.savefig("view.png", dpi=200)', ""])
 
 
-def drawn(code: str, kind: str) -> io.BytesIO:
-    """The figure that :func:`figure_code` draws, as ``"png"`` or ``"svg"``."""
-    names: dict[str, Any] = {}
-    exec("\n".join(code.splitlines()[:-1]), names)
+def drawn(code: str, model: Model, kind: str) -> io.BytesIO:
+    """The figure that :func:`figure_code` draws of a model, as ``"png"`` or ``"svg"``."""
+    names: dict[str, Any] = {"xr": SimpleNamespace(open_dataset=lambda *_, **__: model.root)}  # is open already
+    exec("\n".join(code.splitlines()[1:-1]), names)
     stream = io.BytesIO()
     names["figure"].savefig(stream, format=kind, dpi=200)
     stream.seek(0)

@@ -30,12 +30,14 @@ from contact_study.report.models import look_of
 CELLS = 512  # of a map along a side, at most: what a screen shows
 FORCE = "force"
 CURVES = {"relative_contact_area": "Contact area", "mean_gap": "Mean gap", FORCE: "Force curve"}
-"""Curves along the path, and their titles."""
-# Bokeh draws with these properties of the page around it.
-INK = """:host { --ink: var(--panel-on-background-color, #1b1e23); --bk-background-fill-color: transparent;
-  --bk-border-fill-color: transparent; --bk-title-text-color: var(--ink); --bk-axis-label-text-color: var(--ink);
-  --bk-major-label-text-color: var(--ink); --bk-label-text-color: var(--ink); --bk-axis-line-color: var(--ink);
-  --bk-major-tick-line-color: var(--ink); --bk-outline-line-color: #8888; --bk-grid-line-color: #8883; }"""
+DISTRIBUTIONS = {"pressure": "Stress P(σ)", "gap": "Gap P(u)"}
+"""Curves along the path, and distributions of a state, with their titles."""
+# Properties of the page around a figure that Bokeh draws text and axes with, and the rest of its look.
+INKS = [f"--bk-{name}text-color" for name in ("", "title-", "axis-label-", "major-label-", "label-")]
+INKS += [f"--bk-{name}-line-color" for name in ("axis", "major-tick", "minor-tick")]
+GROUND = """--bk-background-fill-color: transparent; --bk-border-fill-color: transparent;
+  --bk-outline-line-color: #8888; --bk-grid-line-color: #8883;"""
+_ANY_GROUND = {"#000000": "#808080"}
 _DASHES = {"-": "solid", "--": "dashed", ":": "dotted", "-.": "dotdash", "none": "solid"}
 _MARKERS = {"s": "square", "o": "circle", "^": "triangle", "D": "diamond", "P": "plus", "": "dot"}
 _SYMBOLS = {r"\bar{u}": "ū", r"\sigma": "σ", "A_0": "A₀", "$": ""}
@@ -45,10 +47,11 @@ _LINES = ("xs", "ys", "colour", "dash", "alpha", "label")
 _STATES = ("x", "y", "colour", "fill", "marker", "model", "place", "words")
 _DRAG = """
 if (fig.toolbar.gestures.pan.active || fig.toolbar.gestures.rect?.active) return
-const start = this.origin, here = [cb_obj.x, cb_obj.y], now = Date.now()
-if (cb_obj.event_name == "panstart") { this.origin = here; this.last = 0; return }
-if (!start || (cb_obj.event_name == "pan" && now - this.last < 80)) return
-this.last = now
+const here = [cb_obj.x, cb_obj.y], now = Date.now()
+if (cb_obj.event_name == "panstart") { line.started = here; line.drawn = 0; return }
+if (cb_obj.event_name == "pan" && now - line.drawn < 80) return
+const start = line.started
+line.drawn = now
 line.data = {x: [start[0], here[0]], y: [start[1], here[1]]}
 """
 
@@ -66,7 +69,7 @@ def plain(words: str) -> str:
 
 @dataclass(frozen=True)
 class View:
-    """What a picture shows: columns of its sources by their names, and the words of the axes."""
+    """Columns of the sources of a picture by their names, and the words of its axes."""
 
     sources: dict[str, dict[str, Any]]
     x_label: str
@@ -75,7 +78,7 @@ class View:
 
 @dataclass(frozen=True)
 class MapView(View):
-    """A field as it travels to the screen: cells (y, x) in a unit, NaN in contact, and the window that they fill."""
+    """A field as it travels to the screen: cells (y, x) in a unit, minus infinity in contact, and its look."""
 
     cells: np.ndarray
     lengths: Unit
@@ -131,7 +134,7 @@ def map_view(
     else:
         values = reduced(part, cells) / look.unit.size
     if name == "gap" and minus is None:
-        values = np.where(reduced(touching(state)[tuple(cut)], cells) >= 0.5, np.nan, values)
+        values = np.where(reduced(touching(state)[tuple(cut)], cells) >= 0.5, -np.inf, values)
     values, lengths = values.astype(np.float32), style.length_unit(max(size))
     columns = {name: [end / lengths.size] for name, end in image.items()} | {"image": [values]}
     return MapView({"image": columns}, f"x ({lengths.name})", f"y ({lengths.name})", values, lengths, look)
@@ -156,7 +159,7 @@ def curve_view(cases: Mapping[str, xr.Dataset], kind: str, measured: Sequence[xr
     along, up = (choose(value) for choose, value in zip(unit_of, most, strict=True))
     lines, points = [], []
     for name, case in shown.items():
-        look, path = look_of(name, shown), load_path(case)
+        look, path = _look(name, shown), load_path(case)
         x, y = (np.where(path.fit, case[one].values[path.steps], np.nan) for one in (x_name, y_name))
         passed = force_states(case) if forces else (x, y, path.unloading)
         for side, alpha in ((~passed[2], 1.0), (passed[2] | np.append(passed[2][1:], False), 0.5)):
@@ -199,7 +202,7 @@ def density_view(cases: Mapping[str, xr.Dataset], steps: Mapping[str, int], of: 
         most = max(most, style.largest(case[bins].values[(pdf > LEAST * pdf.max()).any(axis=0)]))
     unit, lines = unit_of(most), []
     for model, case in shown.items():
-        look, pdf = look_of(model, shown), case[name].isel(step=steps[model]).values
+        look, pdf = _look(model, shown), case[name].isel(step=steps[model]).values
         there = pdf > LEAST * style.largest(pdf)
         drawn = case[bins].values[there] / unit.size, pdf[there] * unit.size
         lines.append((*drawn, look.colour, _dash(look), 1.0, look.label))
@@ -230,7 +233,10 @@ class Picture:
         tools = {"tools": "box_zoom,wheel_zoom,pan,reset,save", "active_drag": None, "toolbar_location": "above"}
         self.figure = bokeh_figure(frame_width=size[0], frame_height=size[1], title=title, **tools, **options)
         self.figure.toolbar.update(logo=None, autohide=True)
-        self.figure.axis.axis_label_text_font_style = "normal"
+        self.figure.title.update(text_font_style="normal", text_font_size="13px")
+        sizes = {"axis_label_text_font_size": "12px", "major_label_text_font_size": "11px"}
+        for axis in self.figure.axis:
+            axis.update(axis_label_text_font_style="normal", **sizes)
 
     def show(self, view: Any) -> None:
         """Replace what is shown."""
@@ -247,13 +253,13 @@ class MapPicture(Picture):
         (width,), (tall,) = (view.sources["image"][side] for side in ("dw", "dh"))
         super().__init__(view, (int(np.clip(height * width / tall, 120, 2.2 * height)), height), title)
         self.line = ColumnDataSource({"x": [], "y": []})
-        self.mapper = LinearColorMapper(palette=["#000000"], nan_color="#010101")
+        self.mapper = LinearColorMapper(palette=["#000000"], nan_color="#8888")
         for side, end in ((self.figure.x_range, width), (self.figure.y_range, tall)):
             side.update(start=0, end=end, bounds=(0, end))
         self.figure.grid.visible = False
         mapped = {"source": self.sources["image"], "color_mapper": self.mapper}
         image = self.figure.image("image", "x", "y", "dw", "dh", **mapped)
-        shown = CustomJSHover(code="return isNaN(value) ? 'contact' : value.toPrecision(4)")
+        shown = CustomJSHover(code="return value == -Infinity ? 'contact' : value.toPrecision(4)")
         tips = [("value", "@image{custom}"), ("x, y", "$x, $y")]
         self.figure.add_tools(HoverTool(renderers=[image], tooltips=tips, formatters={"@image": shown}))
         self.bar = ColorBar(color_mapper=self.mapper, width=10, padding=4, title_text_font_style="normal")
@@ -274,8 +280,9 @@ class MapPicture(Picture):
     def show(self, view: Any) -> None:
         look, unit = view.look, view.look.unit.size
         if self.view is None or self.view.look.colours != look.colours:
-            self.mapper.palette = [to_hex(one) for one in look.colours(np.linspace(0, 1, min(look.colours.N, 256)))]
-        self.mapper.update(low=look.low / unit, high=look.high / unit)
+            self.mapper.palette = palette(look)
+        black = "#010101" if look.extend == "min" else None  # contact
+        self.mapper.update(low=look.low / unit, high=look.high / unit, low_color=black)
         self.bar.update(title=look.words, visible=bool(look.words))
         super().show(view)
 
@@ -283,7 +290,7 @@ class MapPicture(Picture):
 class CurvePicture(Picture):
     """Curves of several models; those along the path have a dot on each at the state that is shown."""
 
-    def __init__(self, view: View, size: tuple[int, int] = (430, 255)):
+    def __init__(self, view: View, size: tuple[int, int] = (380, 250)):
         path = "states" in view.sources
         super().__init__(view, size, y_axis_type="linear" if path else "log")
         drawn = {"line_color": "colour", "line_dash": "dash", "line_alpha": "alpha", "line_width": 1.6}
@@ -308,20 +315,32 @@ class CurvePicture(Picture):
 class SectionPicture(Picture):
     """A section with the rigid surface below and the deformed block above."""
 
-    def __init__(self, view: View, size: tuple[int, int] = (430, 130)):
-        super().__init__(view, size, "Section: drag a line on the map")
+    def __init__(self, view: View, size: tuple[int, int] = (380, 130), title: str = "Section: drag a line on the map"):
+        super().__init__(view, size, title)
         draw = {"x": "x", "source": self.sources["section"]}
         self.figure.varea(y1="floor", y2="surface", fill_color="#b0b0b0", fill_alpha=0.6, **draw)
         self.figure.line(y="surface", line_color="#808080", legend_label="rigid surface", **draw)
         self.figure.line(y="block", line_color=COLOURS[0], line_width=1.5, legend_label="block", **draw)
         self.figure.scatter(y="contact", color=COLOURS[1], size=3, legend_label="contact", **draw)
-        self.figure.add_layout(self.figure.legend[0], "below")
-        self.figure.legend.update(orientation="horizontal", border_line_alpha=0.0, background_fill_alpha=0.0)
+        self.figure.y_range.range_padding = 0.35  # for the legend
+        self.figure.legend.update(orientation="horizontal", location="top_left", padding=2, border_line_alpha=0.0)
+        self.figure.legend.update(background_fill_alpha=0.0, label_text_font_size="11px", margin=2)
         self.show(view)
+
+
+def palette(look: Colouring) -> list[str]:
+    """The colours of a map."""
+    return [to_hex(one) for one in look.colours(np.linspace(0, 1, min(look.colours.N, 256)))]
 
 
 def _columns(names: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> dict[str, list[Any]]:
     return {name: [row[number] for row in rows] for number, name in enumerate(names)}
+
+
+def _look(model: str, beside: Mapping[str, Any]) -> Look:
+    """How a model is drawn on light and on dark ground."""
+    look = look_of(model, beside)
+    return replace(look, colour=_ANY_GROUND.get(look.colour, look.colour))
 
 
 def _dash(look: Look) -> Any:

@@ -33,7 +33,9 @@ from contact_study.report.read.lazy import Model, open_models
 _KEPT = "kept state"
 _MAPS = {"gap": "gap", "contact": "contact", "pressure": "pressure", "patches": "clusters", "heights": "height"}
 _MEASURED = (".csv", ".txt", ".dat", ".ibw", ".jpk-force", ".h5")
-_TABS = (pictures.CURVES, {"pressure": "Stress P(σ)", "gap": "Gap P(u)"})
+_TABS = (pictures.CURVES, pictures.DISTRIBUTIONS)
+_INK = " ".join(f"{name}: var(--panel-on-background-color, #1b1e23);" for name in pictures.INKS)
+_LOOK = f":host {{ {_INK} {pictures.GROUND} }}"
 _STEP = 700  # milliseconds of a state while the page plays
 
 
@@ -95,7 +97,7 @@ class ResultsPage(pn.viewable.Viewer):
         self.pictures = pn.FlexBox(sizing_mode="stretch_width", gap="4px 12px")
         exports = (
             pn.widgets.FileDownload(
-                callback=partial(self._exported, kind), filename=f"view.{kind}", label=words, width=105, icon="download"
+                callback=partial(self._exported, kind), filename=f"view.{kind}", label=words, width=105, icon=None
             )
             for kind, words in (("png", "PNG"), ("svg", "SVG"), ("csv", "Table"), ("py", "Python"))
         )
@@ -108,9 +110,7 @@ class ResultsPage(pn.viewable.Viewer):
         self._playing = pn.state.add_periodic_callback(self._advance, _STEP, start=False)
         self._offer()
         self.open(paths)
-        for widget in (self.lead, self.beside, self.how, self.measured):
-            widget.param.watch(self._build, "value")
-        for widget in (self.field, self.load, self.hold):
+        for widget in (self.lead, self.beside, self.how, self.measured, self.field, self.load, self.hold):
             widget.param.watch(self._show, "value")
         self.files.param.watch(self._chose, "value")
         self.play.param.watch(lambda event: self._playing.start() if event.new else self._playing.stop(), "value")
@@ -135,7 +135,8 @@ class ResultsPage(pn.viewable.Viewer):
         lead = self.lead.value if self.lead.value in models else next(iter(models), None)
         self._set(self.files, options=self.files.options | {path.name: path for path in paths}, value=self.paths)
         self._set(self.lead, options=names, value=lead, visible=len(names) > 1)
-        self._build()
+        self._shown, self.held, self._drawn = {}, None, None
+        self._show()
 
     def refresh(self) -> None:
         """Read again what is shown, as a run may have written further states; the last state stays the last."""
@@ -162,18 +163,16 @@ class ResultsPage(pn.viewable.Viewer):
         widget.param.update(**values)
         self._busy = before
 
-    def _build(self, *_: Any) -> None:
-        """Draw all again."""
-        if not self._busy:
-            self._shown, self.held, self._drawn = {}, None, None
-            self._show()
-
     def _show(self, event: Any = None) -> None:
         """Show the state that the widgets choose."""
         if self._busy:
             return
-        if event is not None and event.obj in (self.field, self.hold):
+        if event is not None and event.obj in (self.field, self.hold, self.how):
             self.held = None
+        elif event is not None and event.obj is self.measured:
+            self._drawn = None
+        elif event is not None and event.obj is self.lead:  # whose cell may have other proportions
+            self._shown = {key: picture for key, picture in self._shown.items() if not key.startswith("map")}
         before = list(self._shown)
         try:
             self._show_state()
@@ -200,8 +199,7 @@ class ResultsPage(pn.viewable.Viewer):
             raise ValueError("no state: the model has no such point of the sweep, or its run has not come so far")
         last = paths[lead].steps.size - 1
         place = min(self.load.value, last)
-        words = f"State {place + 1} of {last + 1}: {paths[lead].words[place]}"
-        self._set(self.load, end=max(1, last), value=place, name=words)
+        self._set(self.load, end=max(1, last), value=place, name=f"State {place + 1} of {last + 1}")
         places = {name: path.nearest(paths[lead], self.load.value) for name, path in paths.items()}
         places[lead] = self.load.value
         steps = {name: int(paths[name].steps[place]) for name, place in places.items()}
@@ -227,7 +225,7 @@ class ResultsPage(pn.viewable.Viewer):
             self._shown[kind].now.data = pictures.states_now(self._shown[kind].view, places)
         for of in _TABS[1]:
             if (density := pictures.density_view(cases, steps, of)) is not None:
-                self._picture(of, density, partial(pictures.CurvePicture, size=(430, 140)))
+                self._picture(of, density, partial(pictures.CurvePicture, size=(380, 140)))
 
     def _show_maps(self, cases: Mapping[str, xr.Dataset], steps: Mapping[str, int], field: str, beside: str) -> None:
         lead, title = self.lead.value, next(words for words, name in _MAPS.items() if name == field).capitalize()
@@ -252,7 +250,10 @@ class ResultsPage(pn.viewable.Viewer):
         own = replace(max(looks, key=lambda look: look.high), low=min(look.low for look in looks))
         self.held = (self.held or own) if self.hold.value else None
         for (key, view), title in zip(found.items(), shown, strict=True):
-            self._picture(key, view.within(self.held or own), partial(pictures.MapPicture, title=title))
+            picture = self._picture(key, view.within(self.held or own), partial(pictures.MapPicture, title=title))
+            picture.figure.title.text = title
+        if len(found) == 1:
+            self._shown.pop("map1", None)
         if "height" in state:
             self._picture("section", pictures.section_view(state, self.ends), pictures.SectionPicture)
 
@@ -262,6 +263,8 @@ class ResultsPage(pn.viewable.Viewer):
             self._shown[key].show(view)
             return self._shown[key]
         picture = self._shown[key] = make(view)
+        picture.figure.stylesheets = [_LOOK]
+        picture.pane = pn.pane.Bokeh(picture.figure, margin=0)
         if key in pictures.CURVES:
             picture.figure.on_event(Tap, partial(self._tapped, key))
         elif key.startswith("map"):
@@ -271,9 +274,7 @@ class ResultsPage(pn.viewable.Viewer):
 
     def _lay_out(self) -> None:
         """Place the pictures: maps, curves in tabs, section, distributions in tabs."""
-        panes = {
-            key: pn.pane.Bokeh(one.figure, stylesheets=[pictures.INK], margin=0) for key, one in self._shown.items()
-        }
+        panes = {key: one.pane for key, one in self._shown.items()}
         tabs = [[(words, panes[key]) for key, words in names.items() if key in panes] for names in _TABS]
         maps = [pane for key, pane in panes.items() if key.startswith("map")]
         section = [panes["section"]] if "section" in panes else []
@@ -291,11 +292,7 @@ class ResultsPage(pn.viewable.Viewer):
             (x0, x1), (y0, y1) = (tuple(float(one) * unit for one in line[axis]) for axis in "xy")
             if (x0, y0) != (x1, y1):
                 self.ends = (y0, x0), (y1, x1)
-                cases, paths = self._cases()
-                step = int(paths[self.lead.value].steps[self.load.value])
-                self._shown["section"].show(
-                    pictures.section_view(state_of(cases[self.lead.value], step, "section"), self.ends)
-                )
+                self._shown["section"].show(pictures.section_view(self.state, self.ends))
 
     def _tapped(self, kind: str, event: Tap) -> None:
         """Go to the state of the model of the maps that is nearest to a click on a curve."""
@@ -329,4 +326,4 @@ class ResultsPage(pn.viewable.Viewer):
         step, field = int(paths[name].steps[self.load.value]), self.field.value if self.field.visible else None
         chosen = {key: value for key, value in self.chosen.items() if key in self.models[name].dataset.dims}
         code = figure_code.figure_code(self.models[name], chosen, step, field, self.ends)
-        return io.StringIO(code) if kind == "py" else figure_code.drawn(code, kind)
+        return io.StringIO(code) if kind == "py" else figure_code.drawn(code, self.models[name], kind)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.dataset.unfinished import read_unfinished
-from contact_study.campaign.store.files import engine_of, is_dataset, readable, require_dataset
+from contact_study.campaign.store.files import engine_of, is_dataset, mark_of, readable, require_dataset
 from contact_study.inputs.errors import InputError
 from contact_study.report.models import ShownModel, entry_of, known, of_file
 from contact_study.report.read.datasets import tails
@@ -27,6 +28,7 @@ class Model:
     name: str  # of its entry
     path: Path
     dataset: xr.Dataset  # read lazily
+    root: xr.Dataset  # that of the file, with all its theories
 
     @property
     def entry(self) -> ShownModel:
@@ -65,11 +67,11 @@ def open_models(paths: Sequence[Path]) -> dict[str, Model]:
     for path, root in roots.items():
         if theory not in root.coords:
             name = of_file(str(root.attrs["model"]), ends[path])
-            found[name] = Model(name, path, root)
+            found[name] = Model(name, path, root, root)
             continue
         for one in filter(known, map(str, np.atleast_1d(root[theory].values))):
-            own = root.sel({theory: one}) if theory in root.dims else root
-            found[of_file(one, ends[path])] = Model(of_file(one, ends[path]), path, own.drop_vars(theory))
+            own, name = root.sel({theory: one}) if theory in root.dims else root, of_file(one, ends[path])
+            found[name] = Model(name, path, own.drop_vars(theory), root)
     return found
 
 
@@ -77,6 +79,13 @@ def _open(path: Path) -> xr.Dataset:
     if not is_dataset(path) and (growing := read_unfinished(path)) is not None:
         return growing
     require_dataset(path)
+    return _opened(path.resolve(), mark_of(path))
+
+
+# The netCDF library (4.10, HDF5 2.2) crashes after one of two openings of a file in a process is closed.
+@lru_cache(maxsize=256)
+def _opened(path: Path, _: tuple[int, ...] | None) -> xr.Dataset:
+    """The root of a dataset, opened once for all as long as the file there is the same."""
     with readable(path):
         root = xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False)
     require_own(path, root.attrs)
