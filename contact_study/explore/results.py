@@ -178,9 +178,12 @@ class ResultsPage(pn.viewable.Viewer):
             self._show_state()
             self.fault.object = ""
         except (InputError, ValueError) as error:
-            self.fault.object = f'<div role="alert">{escape(str(error))}</div>'
+            self._complain(error)
         if list(self._shown) != before or not before:
             self._lay_out()
+
+    def _complain(self, error: Exception) -> None:
+        self.fault.object = f'<div role="alert">{escape(str(error))}</div>'
 
     def _cases(self) -> tuple[dict[str, xr.Dataset], dict[str, LoadPath]]:
         """The case of each model at the chosen point of the sweep, and its path; kept until another is chosen."""
@@ -305,7 +308,10 @@ class ResultsPage(pn.viewable.Viewer):
 
     def _chose(self, event: Any) -> None:
         if not self._busy:
-            self.open(event.new)
+            try:
+                self.open(event.new)
+            except InputError as error:
+                self._complain(error)
 
     def _keep(self, _: Any) -> None:
         cases, paths = self._cases()
