@@ -15,7 +15,6 @@ import jinja2
 import numpy as np
 import xarray as xr
 from bokeh.embed import components
-from bokeh.resources import Resources
 
 from contact_study.campaign.store.files import write_aside
 from contact_study.explore import pictures
@@ -88,7 +87,7 @@ def write_static_page(paths: Sequence[Path], output: Path, title: str = "") -> N
     }
     template = jinja2.Environment().from_string(files(__package__).joinpath("static_page.html.j2").read_text("utf-8"))
     script, given["pictures"] = components(shown)
-    library = Resources("inline", components=["bokeh"]).render()
+    library = files("bokeh").joinpath("server/static/js/bokeh.min.js").read_text("utf-8")  # Panel changes INLINE
     page = template.render(title=heading, library=library, script=script, **given)
     write_aside(output, lambda partial: partial.write_text(page, encoding="utf-8"))
 
