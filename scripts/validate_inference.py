@@ -1,22 +1,40 @@
 """Synthetic experiments of known constants, with noise: how often the 90 % intervals of an inference hold them.
 
 python -m scripts.validate_inference spheres
+    python -m scripts.validate_inference rough
 """
 
 import argparse
+import json
 import sys
 import time
+import warnings
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.interpolate import Akima1DInterpolator
 
+import contact_study
 from contact_study.inference.library import infer
 from contact_study.physics.spheres import JKR, MaugisDugdale, SphereTheory
+from contact_study.plots.force_curves import force_states
 from scripts.harness import Option, program, show
 
 EXPERIMENTS = 50
+TRUTHS = 10  # simulated probes of the rough experiments, each with several noises
+FORCE, LENGTH = 3e-7, 5e-10  # largest force (N) of the rough probe; noise of its displacement in units of the force's
+LOOPS = "build/inference_loops"
+STUDY: dict[str, dict[str, Any]] = {
+    "form": {"kind": "paraboloid", "radii": 1e-6},
+    "surface": {"kind": "self_affine", "size": 3.6e-7, "shape": [40, 40], "rms_height": 1e-9}
+    | {"hurst_exponent": 0.8, "low_mode": 3, "roll_off_mode": 3, "cutoff_mode": 8},
+    "material": {"youngs_modulus": 1e9, "poissons_ratio": 0.0},
+    "elasticity": {"boundary": "free"},
+    "interaction": {"law": "exponential", "work_of_adhesion": 0.05, "length": 2e-9},
+}
 POINTS = 150  # of a force curve on each way
 _ABBREVIATED = {"work_of_adhesion": "w", "contact_modulus": "E*", "range": "range"}
 
@@ -130,7 +148,47 @@ def on_spring(
     return xr.Dataset(values, {"branch": ("point", branch)}, {"title": "synthetic"})
 
 
+def rough_probe(seed: int) -> Experiment:
+    """A rough sphere, by a simulation at a w/E* between those of the loops."""
+    random = np.random.default_rng(seed % TRUTHS)
+    work, modulus = 0.05 * random.lognormal(0, 0.1), 1e9 * random.lognormal(0, 0.1)
+    curve = measured_loop(STUDY, work, modulus, np.random.default_rng(1000 + seed), 0.02)
+    return Experiment(curve, {"work_of_adhesion": work, "contact_modulus": modulus}, {"study": STUDY, "loops": LOOPS})
+
+
+def measured_loop(
+    study: Mapping[str, Mapping[str, object]], work: float, modulus: float, random: np.random.Generator, noise: float
+) -> xr.Dataset:
+    """Curve of a simulated probe, with noise of the force over its largest tension."""
+    x, force, outwards = _loop(json.dumps(study), work, modulus)
+    begins = outwards | np.append(outwards[1:], False)
+    places = np.linspace(x.min(), x.max(), POINTS)
+    values = [_along(x[way], force[way], places) for way in (~outwards, begins)]
+    forces = np.concatenate([values[0], values[1][::-1]])
+    forces = forces - noise * force.min() * random.normal(size=forces.size)
+    moved = np.concatenate([places, places[::-1]]) + noise * LENGTH * random.normal(size=forces.size)
+    variables = {"total_force": ("point", forces), "displacement": ("point", moved)}
+    return xr.Dataset(variables, {"branch": ("point", np.repeat([0, 1], POINTS))}, {"title": "rough probe"})
+
+
+@cache
+def _loop(study: str, work: float, modulus: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Displacements (m), forces (N) and directions of a fine loop."""
+    table = json.loads(study)
+    table["material"]["youngs_modulus"], table["interaction"]["work_of_adhesion"] = modulus, work
+    loading = {"control": "approach", "path": [-3e-8, 6e-8, -4e-8], "trigger_force": FORCE, "adaptive": True}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the coarse grid
+        return force_states(contact_study.run({**table, "loading": {**loading, "resolution": 0.002}}))
+
+
+def _along(x: np.ndarray, force: np.ndarray, places: np.ndarray) -> np.ndarray:
+    known, first = np.unique(x, return_index=True)
+    return Akima1DInterpolator(known, force[first])(np.clip(places, known[0], known[-1]))
+
+
 KINDS = {
+    "rough": {"rough probe, simulated loops": rough_probe},
     "spheres": {
         "soft probe on a cantilever, JKR": jkr_probe,
         "probe of Tabor parameter 0.5 to 1.5, Maugis": maugis_probe,

@@ -70,13 +70,18 @@ def landmarks(curves: Sequence[MeasuredCurve], known: Mapping[str, Prior]) -> di
 
 
 def starts(
-    model: Model, curves: Sequence[MeasuredCurve], known: Mapping[str, Prior], others: Sequence[Fit] = ()
+    model: Model,
+    curves: Sequence[MeasuredCurve],
+    known: Mapping[str, Prior],
+    others: Sequence[Fit] = (),
+    guess: Mapping[str, float] | None = None,
+    factors: Sequence[float] = _FACTORS,
 ) -> tuple[Problem, list[np.ndarray]]:
     """The problem of a model and starts of its fit: the guess times factors, and the best of other models.
 
     A fit of JKR's or DMT's theory is a start of models with a range, from the end that it is a limit of.
     """
-    guess = landmarks(curves, known)
+    guess = landmarks(curves, known) if guess is None else guess
     reach = float(np.cbrt(guess[RADIUS] * (guess[WORK] / guess[MODULUS]) ** 2))
     limits = {RANGE: (reach / _TABOR_LIMITS[1], reach / _TABOR_LIMITS[0])}
     base = {SCALE: 1.0, RANGE: reach, **guess, **{name: known[name].value for name in (SCALE, RANGE) if name in known}}
@@ -86,12 +91,12 @@ def starts(
         base[f"{FORCE_ZERO}_{number + 1}"] = curve.rest or 0.0
     problem = Problem(model, curves, known, base, limits)
     names = [one.name for one in problem.free]
-    scales = [_FACTORS if name in names and name not in known else (1.0,) for name in (WORK, MODULUS)]
+    scales = [tuple(factors) if name in names and name not in known else (1.0,) for name in (WORK, MODULUS)]
     tabor = _TABOR if RANGE in names and RANGE not in known else (1.0,)
     found = []
-    for factors in itertools.product(*scales, tabor):
+    for each in itertools.product(*scales, tabor):
         u = problem.start.copy()
-        for name, factor in zip((WORK, MODULUS, RANGE), (*factors[:2], 1 / factors[2]), strict=True):
+        for name, factor in zip((WORK, MODULUS, RANGE), (*each[:2], 1 / each[2]), strict=True):
             if name in names:
                 at = names.index(name)
                 u[at] = problem.free[at].coordinate(problem.free[at].value(u[at]) * factor)

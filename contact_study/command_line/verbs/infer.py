@@ -25,8 +25,12 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "curves", nargs="+", type=Path, metavar="CURVE", help="force curves, as text or of a microscope"
     )
-    words = "hertz, jkr, dmt, maugis; default: the last three"
+    words = "hertz, jkr, dmt, maugis, simulation; default: the last of a study, else the three before it"
     parser.add_argument("--model", nargs="+", metavar="NAME", help=words)
+    parser.add_argument("--study", type=Path, metavar="PROBE.toml", help="study of the probe, for the model simulation")
+    words = "folder of the simulated loops, used again by later runs; default: PROBE.loops"
+    parser.add_argument("--loops", type=Path, metavar="FOLDER", help=words)
+    parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes for the loops; default 1")
     words = "known value, such as radius='5 um'"
     parser.add_argument("--fixed", action="append", default=[], metavar="KEY=VALUE", help=words)
     words = "value with a standard error, such as modulus='2 +- 0.2 MPa'"
@@ -56,7 +60,10 @@ def run(given: argparse.Namespace) -> int:
         if path.exists() and not given.overwrite:
             raise InputError(f"{path} exists; use --overwrite to replace it")
         writable_output(path)
-    options = {name: dict(pair(words, f"--{name}") for words in getattr(given, name)) for name in _PAIRS}
+    options: dict[str, Any] = {
+        name: dict(pair(words, f"--{name}") for words in getattr(given, name)) for name in _PAIRS
+    }
+    options |= {"study": given.study, "loops": given.loops, "workers": given.workers}
     found = infer(given.curves, given.model, spring_constant=given.spring, **options)
     found.attrs["history"] = f"{datetime.now(UTC).isoformat(timespec='seconds')}: {given.words}"
     if output is not None:
