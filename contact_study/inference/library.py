@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from contact_study.inference.by_loops import fit_by_loops
@@ -12,6 +13,7 @@ from contact_study.inference.curves import MeasuredCurve, check_alike, measured_
 from contact_study.inference.dataset import dataset_of
 from contact_study.inference.fit import Fit, fit, profile
 from contact_study.inference.parameters import PHYSICAL, Prior, prescribed
+from contact_study.inference.sampling import samples as draw
 from contact_study.inference.simulated import SimulatedLoops
 from contact_study.inference.spheres import MODELS
 from contact_study.inference.starts import starts
@@ -35,6 +37,7 @@ def infer(
     reading: Mapping[str, Any] | None = None,
     loops: str | Path | None = None,
     workers: int = 1,
+    samples: int = 0,
 ) -> xr.Dataset:
     """Infer work of adhesion, modulus, radius and range from measured force curves or JKR tests.
 
@@ -66,6 +69,8 @@ def infer(
         Folder of the loops, which later calls use again. Default: the study's name with ``.loops``, or none.
     workers : int, optional
         Processes for the loops; with several call this below ``if __name__ == "__main__":``.
+    samples : int, optional
+        Number of samples of each model's posterior (extra ``sampler``): ``sample`` on ``parameter``, SI values.
 
     Returns
     -------
@@ -98,8 +103,21 @@ def infer(
             if label in problem.labels:
                 found[name].profiles[label] = profile(found[name], label)
     dataset = dataset_of(found, measured)
+    if samples:
+        dataset["sample"] = _samples(found, samples, [str(label) for label in dataset["parameter"].values])
     dataset.attrs["notes"] = "\n".join([dataset.attrs["notes"], *notes])
     return dataset
+
+
+def _samples(found: Mapping[str, Fit], count: int, labels: Sequence[str]) -> xr.Variable:
+    """Samples of the posterior of each model, NaN for parameters that it does not have."""
+    chains = [draw(one, count) for one in found.values()]
+    values = np.full((len(found), max(map(len, chains)), len(labels)), np.nan)
+    for at, (one, chain) in enumerate(zip(found.values(), chains, strict=True)):
+        for place, label in enumerate(one.problem.labels):
+            values[at, : len(chain), labels.index(label)] = chain[:, place]
+    words = "sample of the posterior, in the SI unit of its parameter"
+    return xr.Variable(("model", "sample_number", "parameter"), values, {"long_name": words})
 
 
 def _models(models: Sequence[str] | None, with_study: bool) -> list[str]:

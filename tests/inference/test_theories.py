@@ -145,6 +145,19 @@ def test_points_in_flight_are_left_out(probe):
     assert low - noise < fold < high + noise
 
 
+def test_samples_of_the_posterior_scatter_as_the_intervals_say():
+    pytest.importorskip("emcee")
+    one = jkr_test(3)
+    found = contact_study.infer(one.curve, **one.options, samples=3000).isel(model=0)
+    drawn = found["sample"].sel(parameter="work_of_adhesion")
+    assert drawn.size >= 3000
+    low, high = np.nanquantile(drawn, [0.05, 0.95])
+    # Some hundred independent samples: their quantiles scatter by a tenth of the width.
+    width = float(found["work_of_adhesion_upper"] - found["work_of_adhesion_lower"])
+    assert low == pytest.approx(float(found["work_of_adhesion_lower"]), abs=0.25 * width)
+    assert high == pytest.approx(float(found["work_of_adhesion_upper"]), abs=0.25 * width)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [

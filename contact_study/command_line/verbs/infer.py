@@ -41,6 +41,8 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--spring", metavar="VALUE", help=words)
     words = "how to read the curves, such as positive_force=tension"
     parser.add_argument("--reading", action="append", default=[], metavar="KEY=VALUE", help=words)
+    words = "samples of the posterior to store (extra sampler)"
+    parser.add_argument("--samples", type=int, default=0, metavar="N", help=words)
     parser.add_argument("-o", "--output", metavar="FIT.nc", help="dataset to write")
     parser.add_argument("--figure", metavar="FILE", help="figure of fit, residuals and profiles to write")
     parser.add_argument("--overwrite", action="store_true", help="replace existing files")
@@ -63,7 +65,7 @@ def run(given: argparse.Namespace) -> int:
     options: dict[str, Any] = {
         name: dict(pair(words, f"--{name}") for words in getattr(given, name)) for name in _PAIRS
     }
-    options |= {"study": given.study, "loops": given.loops, "workers": given.workers}
+    options |= {"study": given.study, "loops": given.loops, "workers": given.workers, "samples": given.samples}
     found = infer(given.curves, given.model, spring_constant=given.spring, **options)
     found.attrs["history"] = f"{datetime.now(UTC).isoformat(timespec='seconds')}: {given.words}"
     if output is not None:
