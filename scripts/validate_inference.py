@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.interpolate import Akima1DInterpolator
 
 import contact_study
 from contact_study.inference.library import infer
@@ -25,7 +24,7 @@ from scripts.harness import Option, program, show
 
 EXPERIMENTS = 50
 TRUTHS = 10  # simulated probes of the rough experiments, each with several noises
-FORCE, LENGTH = 3e-7, 5e-10  # largest force (N) of the rough probe; noise of its displacement in units of the force's
+START, DEPTH, LENGTH = 2.5e-8, 7e-9, 5e-10  # path of the rough probe (m); its noise in units of that of the force
 LOOPS = "build/inference_loops"
 STUDY: dict[str, dict[str, Any]] = {
     "form": {"kind": "paraboloid", "radii": 1e-6},
@@ -152,39 +151,36 @@ def rough_probe(seed: int) -> Experiment:
     """A rough sphere, by a simulation at a w/E* between those of the loops."""
     random = np.random.default_rng(seed % TRUTHS)
     work, modulus = 0.05 * random.lognormal(0, 0.1), 1e9 * random.lognormal(0, 0.1)
-    curve = measured_loop(STUDY, work, modulus, np.random.default_rng(1000 + seed), 0.02)
+    curve = measured_loop(STUDY, work, modulus, np.random.default_rng(1000 + seed), 0.02, 80)
     return Experiment(curve, {"work_of_adhesion": work, "contact_modulus": modulus}, {"study": STUDY, "loops": LOOPS})
 
 
 def measured_loop(
-    study: Mapping[str, Mapping[str, object]], work: float, modulus: float, random: np.random.Generator, noise: float
+    study: Mapping[str, Mapping[str, object]],
+    work: float,
+    modulus: float,
+    random: np.random.Generator,
+    noise: float,
+    points: int = POINTS,
 ) -> xr.Dataset:
     """Curve of a simulated probe, with noise of the force over its largest tension."""
-    x, force, outwards = _loop(json.dumps(study), work, modulus)
-    begins = outwards | np.append(outwards[1:], False)
-    places = np.linspace(x.min(), x.max(), POINTS)
-    values = [_along(x[way], force[way], places) for way in (~outwards, begins)]
-    forces = np.concatenate([values[0], values[1][::-1]])
-    forces = forces - noise * force.min() * random.normal(size=forces.size)
-    moved = np.concatenate([places, places[::-1]]) + noise * LENGTH * random.normal(size=forces.size)
+    moved, forces, outwards = _loop(json.dumps(study), work, modulus, points)
+    forces = forces - noise * forces.min() * random.normal(size=forces.size)
+    moved = moved + noise * LENGTH * random.normal(size=forces.size)
     variables = {"total_force": ("point", forces), "displacement": ("point", moved)}
-    return xr.Dataset(variables, {"branch": ("point", np.repeat([0, 1], POINTS))}, {"title": "rough probe"})
+    return xr.Dataset(variables, {"branch": ("point", outwards.astype(int))}, {"title": "rough probe"})
 
 
 @cache
-def _loop(study: str, work: float, modulus: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Displacements (m), forces (N) and directions of a fine loop."""
+def _loop(study: str, work: float, modulus: float, points: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Displacements (m), forces (N) and directions of a loop through the measured displacements."""
     table = json.loads(study)
     table["material"]["youngs_modulus"], table["interaction"]["work_of_adhesion"] = modulus, work
-    loading = {"control": "approach", "path": [-3e-8, 6e-8, -4e-8], "trigger_force": FORCE, "adaptive": True}
+    places = np.linspace(-START, DEPTH, points)
+    loading = {"control": "approach", "path": [*places, *places[-2::-1]]}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the coarse grid
-        return force_states(contact_study.run({**table, "loading": {**loading, "resolution": 0.002}}))
-
-
-def _along(x: np.ndarray, force: np.ndarray, places: np.ndarray) -> np.ndarray:
-    known, first = np.unique(x, return_index=True)
-    return Akima1DInterpolator(known, force[first])(np.clip(places, known[0], known[-1]))
+        return force_states(contact_study.run({**table, "loading": loading}))
 
 
 KINDS = {

@@ -6,17 +6,16 @@ import numpy as np
 
 from contact_study.inference.curves import MeasuredCurve
 from contact_study.inference.fit import Fit, fit, profile
-from contact_study.inference.parameters import MODULUS, PHYSICAL, RADIUS, RANGE, SCALE, WORK, Prior
+from contact_study.inference.parameters import MODULUS, PHYSICAL, RADIUS, RANGE, WORK, Prior
 from contact_study.inference.simulated import SimulatedLoops
 from contact_study.inference.spheres import MODELS
 from contact_study.inference.starts import starts
 from contact_study.inputs.errors import InputError
-from contact_study.physics.spheres import JKR
 
 _ROUNDS = 8  # of fits and further loops
 _FACTORS = (0.85, 1.0, 1.2)  # of the starts
-_DEPTH = 2.5  # of the displacement of a smooth sphere at the largest force: the largest of a loop
-_BESIDE = 0.3  # of the error of the force: interpolation between loops below it is not mentioned
+_SHALLOWEST = 1e-12  # depth of loops (m)
+_BESIDE = 1.0  # of the error of the force: interpolation between loops below it is not mentioned
 
 
 def fit_by_loops(
@@ -52,14 +51,14 @@ def fit_by_loops(
     problem, first = starts(MODELS["jkr"], curves, own)
     smooth = fit(problem, first)
     constants = smooth.problem.constants(smooth.best)
-    loops.prepare(_preload(curves, constants), _depth(loops, curves, constants))
+    loops.prepare(_depth(smooth))
     loops.cover(_ratio(constants), _ratio(constants))
     for _ in range(_ROUNDS):
         guess = {name: constants[name] for name in (WORK, MODULUS, RADIUS)}
         problem, first = starts(loops, curves, own, guess=guess, factors=_FACTORS)
         found = fit(problem, first)
         constants = problem.constants(found.best)
-        anew = loops.prepare(_preload(curves, constants), _depth(loops, curves, constants))
+        anew = loops.prepare(_depth(found))
         if loops.cover(_ratio(constants), _ratio(constants)) or anew:
             continue
         inside = _profiled(found)
@@ -82,20 +81,14 @@ def _ratio(constants: Mapping[str, float]) -> float:
     return float(np.log(constants[WORK] / constants[MODULUS]))
 
 
-def _most(curves: Sequence[MeasuredCurve]) -> float:
-    return max(float(curve.force.max()) - (curve.rest or 0.0) for curve in curves)
-
-
-def _preload(curves: Sequence[MeasuredCurve], constants: Mapping[str, float]) -> float:
-    """Largest force over E* (m²)."""
-    return _most(curves) / constants.get(SCALE, 1.0) / constants[MODULUS]
-
-
-def _depth(loops: SimulatedLoops, curves: Sequence[MeasuredCurve], constants: Mapping[str, float]) -> float:
-    """Largest displacement of the loops (m), beyond that at the largest force."""
-    sphere = JKR(loops.radius, constants[MODULUS], constants[WORK])
-    height = float(getattr(loops.case.surface, "rms_height", None) or 0.0)
-    return _DEPTH * abs(sphere.at_force(max(_most(curves), 0.0))[1]) + 5 * height + 5 * loops.range
+def _depth(found: Fit) -> float:
+    """Largest displacement of the probe beyond first touch (m), by the zeros of a fit."""
+    depths = []
+    for number, curve in enumerate(found.problem.curves):
+        at, rest = found.problem.offsets(found.best, number)
+        probe = curve.points[0] - at - curve.compliance * (curve.force - rest)
+        depths.append(float(np.sort(probe)[-3]))  # not the noise of one point
+    return max(*depths, _SHALLOWEST)
 
 
 def _notes(loops: SimulatedLoops, found: Fit) -> list[str]:
@@ -107,5 +100,5 @@ def _notes(loops: SimulatedLoops, found: Fit) -> list[str]:
         for errors, curve in zip(found.problem.errors, found.problem.curves, strict=True)
     )
     if share > _BESIDE:
-        notes.append(f"simulation: interpolation between loops errs by {share:.2g} of the error of the force")
+        notes.append(f"simulation: interpolation between loops errs by up to {share:.2g} errors of the force")
     return notes

@@ -26,7 +26,11 @@ from contact_study.study.study import make_study, read_study
 SPACING = 0.2  # of loops in ln(w/E*)
 _STATES = 120  # of each piece of a branch
 _FREE = 20  # of the line before attraction
-_TRIGGER = 0.1  # in the logarithm of the preload over E*: its steps, so that curves of one probe share loops
+_DEEPER = 0.05  # of the depth: how far loops go beyond it, so that curves of one probe share them
+_STEPS = 0.25  # of the range of adhesion: largest step near contact
+_AROUND = 3.0  # ranges of adhesion before first touch from which steps are as fine
+_SHARP, _DEEP = 4.0, 0.05  # of a jump: its slope over its neighbours', and its height over the largest tension
+_NEAR = 400  # places among which the least force is sought
 _RESOLUTION = 0.003  # of the adaptive steps
 _TAIL = 12.0  # ranges of adhesion from which an approach begins
 _MOST_LOOPS = 24
@@ -65,8 +69,7 @@ class SimulatedLoops:
         self.range = self.case.work_of_adhesion / self.case.law.peak_tensile_stress
         self.radius = _radius(self.case)
         self.notes: list[str] = []
-        self._loops: dict[int, tuple[Branch, Branch]] = {}
-        self._preload: int | None = None
+        self._loops: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self._depth = self._start = self._end = 0.0
 
     @property
@@ -74,14 +77,13 @@ class SimulatedLoops:
         """Number of loops."""
         return len(self._loops)
 
-    def prepare(self, preload: float, depth: float) -> bool:
-        """Set the largest force over E* (m²) and a displacement beyond it (m); returns whether loops start anew."""
-        step = int(np.ceil(np.log(preload) / _TRIGGER))
-        if self._preload is not None and abs(step - self._preload) < 2:
+    def prepare(self, depth: float) -> bool:
+        """Set the largest displacement (m), of the preload; returns whether loops start again."""
+        if (1 - 2 * _DEEPER) * self._depth < depth <= self._depth:
             return False
-        self._preload, self._loops = step, {}
-        self._depth = float(f"{depth:.1e}")
-        self.__dict__.pop("_splines", None)
+        step = np.ceil(np.log(depth) / _DEEPER) + 0.5
+        self._depth, self._loops = float(f"{np.exp(step * _DEEPER):.3e}"), {}
+        self._forget()
         return True
 
     def cover(self, low: float, high: float) -> int:
@@ -120,40 +122,59 @@ class SimulatedLoops:
         """Error of the force over E* (m²) between loops near a ln(w/E*), by leaving out every second of them."""
         from scipy.interpolate import make_interp_spline  # slow to import
 
-        places = np.array(sorted(self._loops))
-        near = places[np.argsort(np.abs(places * SPACING - ratio))[:1]][0]
-        others = places[(places - near) % 2 == 1]
-        if others.size < 2:
+        places, values = self._stacked
+        near = int(np.argmin(np.abs(places * SPACING - ratio)))
+        others = (places - places[near]) % 2 == 1
+        if others.sum() < 2:
             return float("nan")
-        values = np.array([_stacked(self._loops[place]) for place in places])
-        degree = min(3, others.size - 1)
-        kept = make_interp_spline(others, values[np.isin(places, others)], degree)(near)
-        difference = (kept - values[places == near][0])[[1, 3], 1]  # forces in contact
+        degree = min(3, int(others.sum()) - 1)
+        kept = make_interp_spline(places[others], values[others], degree)(places[near])
+        difference = (kept - values[near])[[1, 3], 1]  # forces in contact
         return float(np.sqrt(np.mean(difference**2))) / 2.0 ** (degree + 1)
+
+    @cached_property
+    def _stacked(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the loops in ascending order, and their pieces, shape (loops, 4, 2, states)."""
+        places = np.array(sorted(self._loops))
+        pieces: list[list[np.ndarray]] = [[] for _ in places]
+        for way in (0, 1):
+            own = [self._loops[place][way] for place in places]
+            jumps = [_jump(one) for one in own]
+            if None in jumps:
+                jumps = [None] * len(jumps)
+            for at, (one, jump) in enumerate(zip(own, jumps, strict=True)):
+                pieces[at] += _pieces(one, jump)
+        return places, np.array(pieces)
 
     @cached_property
     def _splines(self) -> tuple[np.ndarray, Any]:
         """ln(w/E*) of the loops, and their pieces as a spline over it."""
         from scipy.interpolate import make_interp_spline  # slow to import
 
-        places = np.array(sorted(self._loops))
-        values = np.array([_stacked(self._loops[place]) for place in places])
+        places, values = self._stacked
         return places * SPACING, make_interp_spline(places * SPACING, values, min(3, places.size - 1))
+
+    def _forget(self) -> None:
+        """Drop what was made of the loops."""
+        for name in ("_splines", "_stacked"):
+            self.__dict__.pop(name, None)
 
     def _simulate(self, places: Iterable[int]) -> None:
         """Run loops at multiples of the spacing, beside those on disk."""
-        assert self._preload is not None
         everyone = sorted({*places, *self._loops})
         works = [float(f"{self.modulus * np.exp(place * SPACING):.12g}") for place in everyone]
         stretch = float(np.cbrt(self.radius * (works[-1] / self.modulus) ** 2))
         if not self._start:
             self._start = float(f"{_TAIL * self.range + stretch:.1e}")
             self._end = float(f"{6 * stretch + _TAIL * self.range:.1e}")
-        trigger = self.modulus * float(np.exp(self._preload * _TRIGGER))
+        near = max(-_AROUND * self.range - stretch, -0.9 * self._start)
+        fine = np.linspace(near, self._depth, int((self._depth - near) / (_STEPS * self.range)) + 2)
+        far = max(-_AROUND * self.range - 4 * stretch, -0.9 * self._end)
+        back = np.linspace(self._depth, far, int((self._depth - far) / (_STEPS * self.range)) + 2)
+        way = [-self._start, *fine, *back[1:], -self._end]
         loading = {
             "control": "approach",
-            "path": [-self._start, self._depth, -self._end],
-            "trigger_force": trigger,
+            "path": [float(f"{place:.6e}") for place in way],
             "adaptive": True,
             "resolution": _RESOLUTION,
         }
@@ -170,8 +191,8 @@ class SimulatedLoops:
         self.notes = [*dict.fromkeys([*self.notes, *(_shortened(str(one.message)) for one in raised)])]
         for work in found["work_of_adhesion"].values:
             place = round(float(np.log(float(work) / self.modulus)) / SPACING)
-            self._loops[place] = _pieces(found.sel(work_of_adhesion=work), self.modulus, trigger)
-        self.__dict__.pop("_splines", None)
+            self._loops[place] = _ways(found.sel(work_of_adhesion=work), self.modulus)
+        self._forget()
 
 
 def _table(study: Mapping[str, Any] | str | Path) -> dict[str, Any]:
@@ -208,43 +229,50 @@ def _shortened(note: str) -> str:
     return note.split(": ", 1)[1] if note.startswith("work_of_adhesion = ") and ": " in note else note
 
 
-def _pieces(loop: xr.Dataset, modulus: float, trigger: float) -> tuple[Branch, Branch]:
-    """Approach and retraction of one loop, parted at its largest jumps; forces are over E* (m²)."""
+def _ways(loop: xr.Dataset, modulus: float) -> tuple[np.ndarray, np.ndarray]:
+    """States of approach and retraction of one loop by rising displacement: (m) and force over E* (m²)."""
     x, force, outwards = force_states(loop)
-    if not (loop["converged"] == 1).all() or force.size < 20 or force.max() < 0.9 * trigger:
+    if not (loop["converged"] == 1).all() or force.size < 20 or force.max() <= 0:
         work = float(loop["work_of_adhesion"])
         raise InputError(
-            f"study: the loop at w/E* = {work / modulus:.3g} m does not converge, or does not reach the force of the "
-            "curves; check surface.size and the grid with bem-adhesion check"
+            f"study: the loop at w/E* = {work / modulus:.3g} m does not converge or reach contact; check surface.size "
+            "and the grid with bem-adhesion check"
         )
-    force = force / modulus
     begins = outwards | np.append(outwards[1:], False)  # a way out begins at the state before it
-    way_in, way_out = ((x[way], force[way]) for way in (~outwards, begins))
-    jump = int(np.argmin(np.diff(way_in[1])))
-    loading = Branch(_piece(*way_in, slice(0, jump + 1), -1), _piece(*way_in, slice(jump + 1, None), 1))
-    back, pull = way_out[0][::-1], way_out[1][::-1]
-    lowest = int(np.argmin(pull))
-    drop = int(np.argmin(np.diff(pull[: lowest + 1]))) if lowest else 0
-    unloading = Branch(_piece(back, pull, slice(0, drop + 1), -1), _piece(back, pull, slice(drop + 1, None), 1))
-    return loading, unloading
+    ways = []
+    for way in (~outwards, begins):
+        along, first = np.unique(x[way], return_index=True)
+        ways.append(np.array([along, force[way][first] / modulus]))
+    return ways[0], ways[1]
 
 
-def _piece(x: np.ndarray, force: np.ndarray, part: slice, sign: int) -> np.ndarray:
-    """States of a piece at even steps of the root of the distance from its fold: first of a contact, last before it."""
+def _jump(way: np.ndarray) -> int | None:
+    """Number of the last state before a jump into contact; None if the force changes without one."""
+    slope = np.diff(way[1]) / np.diff(way[0])
+    steepest = int(np.argmin(slope))
+    beside = np.abs(slope[max(steepest - 1, 0) : steepest + 2])
+    others = beside[beside < abs(slope[steepest])]
+    fall = way[1][steepest] - way[1][steepest + 1]
+    sharp = others.size > 0 and abs(slope[steepest]) > _SHARP * others.max()
+    return steepest if sharp and fall > _DEEP * abs(way[1].min()) else None
+
+
+def _pieces(way: np.ndarray, jump: int | None) -> tuple[np.ndarray, np.ndarray]:
+    """States before and in contact, parted at a jump, or else at the least force, which moves smoothly with w/E*."""
     from scipy.interpolate import Akima1DInterpolator  # slow to import
 
-    along, first = np.unique(x[part], return_index=True)
-    values = force[part][first]
-    if along.size < 2:
-        along, values = np.array([along[0] - 1e-15, along[0]]), np.array([values[0], values[0]])
-    fold = along[0] if sign > 0 else along[-1]
-    root = np.sqrt(np.abs(along - fold))
-    even = np.linspace(0.0, root.max(), _STATES)
-    shown = Akima1DInterpolator(*(values_[:: 1 if sign > 0 else -1] for values_ in (root, values)))(even)
-    states = np.array([fold + sign * even**2, shown])
-    return states if sign > 0 else states[:, ::-1]
-
-
-def _stacked(loop: tuple[Branch, Branch]) -> np.ndarray:
-    """Pieces of both ways, shape (4, 2, states)."""
-    return np.array([piece for way in loop for piece in way])
+    x, force = way
+    if jump is not None and 1 < jump < x.size - 3:
+        before = Akima1DInterpolator(x[: jump + 1], force[: jump + 1])
+        after = Akima1DInterpolator(x[jump + 1 :], force[jump + 1 :])
+        folds = x[jump], x[jump + 1]
+    else:
+        before = after = Akima1DInterpolator(x, force)
+        lowest = int(np.argmin(force))
+        near = np.linspace(x[max(lowest - 1, 0)], x[min(lowest + 1, x.size - 1)], _NEAR)
+        folds = (float(near[np.argmin(before(near))]),) * 2
+    share = np.linspace(0.0, 1.0, _STATES) ** 2  # states are dense at a fold
+    loose = folds[0] - (folds[0] - x[0]) * share[::-1]
+    pressed = folds[1] + (x[-1] - folds[1]) * share
+    loose, pressed = np.clip(loose, x[0], folds[0]), np.clip(pressed, folds[1], x[-1])  # but for their rounding
+    return np.array([loose, before(loose)]), np.array([pressed, after(pressed)])

@@ -11,12 +11,12 @@ from contact_study import InputError
 from contact_study.inference.simulated import SPACING, SimulatedLoops
 from scripts.validate_inference import STUDY, measured_loop
 
-POINTS = 24
+POINTS = 20
 
 
 def study(**changes):
     rough = {**STUDY["surface"], "shape": [POINTS, POINTS]}
-    return {**STUDY, "surface": rough, **changes}
+    return {**STUDY, "surface": rough, "interaction": {**STUDY["interaction"], "length": 4e-9}, **changes}
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
 def curve():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return measured_loop(study(), 0.057, 1.15e9, np.random.default_rng(1), 0.005)
+        return measured_loop(study(), 0.057, 1.15e9, np.random.default_rng(1), 0.005, 45)
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def test_constants_between_the_loops_are_found(found):
     assert float(one["work_of_adhesion"]) == pytest.approx(0.057, rel=0.01)
     assert float(one["contact_modulus"]) == pytest.approx(1.15e9, rel=0.02)
     assert float(one["displacement_zero"][0]) == pytest.approx(0, abs=1e-10)
-    assert float(one["range"]) == pytest.approx(2e-9)
+    assert float(one["range"]) == pytest.approx(4e-9)
     assert np.isfinite(one["work_of_adhesion_lower"])
 
 
