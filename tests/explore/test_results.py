@@ -41,6 +41,9 @@ def test_one_slider_moves_all(page, files):
     page.field.value = "pressure"
     assert not np.array_equal(shown(page, "map0", "image")["image"][0], cells)
     assert not np.array_equal(shown(page, "pressure", "lines")["ys"][0], density)
+    density = shown(page, "gap", "lines")
+    (x,), (y,) = density["xs"], density["ys"]
+    assert np.sum(y) * (x[1] - x[0]) == pytest.approx(1.0, rel=1e-6)  # densities below 1e-8 of the largest are left out
     assert page.fault.object == ""
 
 
@@ -110,3 +113,25 @@ def test_a_file_that_is_no_dataset_is_a_line_on_the_page(page, tmp_path):
     page._chose(type("Event", (), {"new": [tmp_path / "<b>.nc"]}))
     assert "&lt;b&gt;.nc" in page.fault.object
     assert page.models
+
+
+@pytest.mark.parametrize("field", ["gap", "contact", "pressure", "clusters", "height"])
+def test_no_map_travels_point_by_point(field):
+    import xarray as xr
+
+    from contact_study.explore import pictures
+
+    rows, columns = 700, 2048
+    axes = {"y": np.arange(rows) * 1e-9, "x": np.arange(columns) * 1e-9}
+    waves = np.sin(np.arange(columns) / 50) + np.zeros((rows, 1))
+    fields = {"gap": np.abs(waves) * 1e-9, "pressure": waves * 1e6, "height": waves * 1e-9}
+    state = xr.Dataset({name: (("y", "x"), values) for name, values in fields.items()}, coords=axes)
+    view = pictures.map_view(state.assign(contact_distance=1e-10), field)
+    assert view.cells.dtype == np.float32
+    assert view.cells.shape == (350, 512)
+    assert view.sources["image"]["dw"] == [pytest.approx(2.048)]  # µm
+    part = pictures.map_view(
+        state.assign(contact_distance=1e-10), field, window=(1.0002e-6, 3.002e-7, 1.996e-7, 9.96e-8)
+    )
+    assert part.cells.shape == (100, 200)
+    assert [part.sources["image"][end][0] for end in "xy"] == pytest.approx([1.0, 0.3])
