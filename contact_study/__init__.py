@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from contact_study.physics.force_curves.curve import read_force_curve
     from contact_study.results.measured_spectrum import measured_spectrum
     from contact_study.results.schema import register_observable
+    from contact_study.results.uncertainty import uncertainty
     from contact_study.study.case import realise
     from contact_study.study.schema.bodies import composite_surface
     from contact_study.study.schema.elasticity import register_solid
@@ -40,6 +41,7 @@ __all__ = [
     "run",
     "to_vtk",
     "to_xyz",
+    "uncertainty",
 ]
 
 _MODULES = {
@@ -58,6 +60,7 @@ _MODULES = {
     "run": "campaign.library",
     "to_vtk": "campaign.dataset.export",
     "to_xyz": "campaign.dataset.export",
+    "uncertainty": "results.uncertainty",
 }
 
 

@@ -29,6 +29,7 @@ VERBS = {
     "compare": "compare datasets, or report on one: deviations, figures, report",
     "merge": "merge the datasets of one study, run in parts",
     "plot": "draw one picture of a dataset",
+    "uncertainty": "intervals of answers and shares of variance from draws of a study",
     "infer": "infer work of adhesion, modulus and range from force curves",
     "explore": "look at datasets on a page in the browser, or write it as a file",
     "export": "write a dataset as a table, or for ParaView, OVITO and ASE",

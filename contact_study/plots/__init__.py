@@ -1,7 +1,7 @@
 """Pictures of datasets, one call each: an xarray dataset in, Matplotlib axes out.
 
-Each function draws on the axes it is given, or on those of a new figure, which is ``axes.figure``; ``inference`` has
-several and returns the figure. None touches pyplot's state or any setting.
+Each function draws on the axes it is given, or on those of a new figure, which is ``axes.figure``; ``inference`` and
+``tornado`` have several and return the figure. None touches pyplot's state or any setting.
 """
 
 from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
@@ -20,6 +20,7 @@ from contact_study.plots.maps import atoms, contact_map, gap_map, height_map, pr
 from contact_study.plots.measured_spectra import measured_spectra
 from contact_study.plots.patches import leakage, patch_sizes
 from contact_study.plots.sweep_maps import criteria_map, deviations
+from contact_study.plots.uncertainty import tornado
 
 __all__ = [
     "area_by_magnification",
@@ -45,6 +46,7 @@ __all__ = [
     "stress_by_magnification",
     "stress_distribution",
     "surface_spectrum",
+    "tornado",
 ]
 
 

@@ -11,6 +11,7 @@ from contact_study.plots import style
 from contact_study.plots.paths import Curve, Look, draw_path
 from contact_study.plots.selection import LOADING, UNLOADING, fit_states, lines, require, single
 from contact_study.plots.style import COLOURS, Unit, axes_of, picture
+from contact_study.plots.uncertainty import bands
 
 PATHS = {"relative_contact_area": r"contact area $A/A_0$", "mean_gap": r"mean gap $\bar{u}$"}
 """Quantities that are drawn over the pressure, with their words."""
@@ -18,7 +19,7 @@ PATHS = {"relative_contact_area": r"contact area $A/A_0$", "mean_gap": r"mean ga
 
 @picture("Of any model.")
 def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear") -> Axes:
-    """Relative contact area over pressure, a line for each point of the sweep; unloading hollow.
+    """Relative contact area over pressure, a line for each point of the sweep, a band for draws; unloading hollow.
 
     Parameters
     ----------
@@ -36,7 +37,7 @@ def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "li
 
 @picture("Of any model.")
 def mean_gap(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear") -> Axes:
-    """Mean gap over pressure, a line for each point of the sweep; unloading hollow.
+    """Mean gap over pressure, a line for each point of the sweep, a band for draws; unloading hollow.
 
     Parameters
     ----------
@@ -47,6 +48,8 @@ def mean_gap(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear
 
 
 def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, scale: str) -> Axes:
+    if "draw" in dataset.dims or "quantile" in dataset.dims:
+        return bands(dataset, axes_of(axes), name)
     require(dataset, "mean_pressure", name)
     pressure = style.pressure_unit(style.largest(dataset["mean_pressure"]))
     unit = style.length_unit(style.largest(dataset[name])) if name == "mean_gap" else Unit("", 1.0)

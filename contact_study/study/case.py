@@ -55,6 +55,7 @@ class Case:
     sampling: sections.SamplingSection
     dynamics: sections.DynamicsSection
     theory: sections.TheorySection
+    uncertainty: sections.UncertaintySection
     output: sections.OutputSection
     coordinates: dict[str, Any] = field(default_factory=dict)  # the swept keys, by their last part, and their values
     index: tuple[int, ...] = ()  # position along each swept key

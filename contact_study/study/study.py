@@ -36,6 +36,7 @@ from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
 from contact_study.study.schema.sections import POISSONS_RATIO
 from contact_study.study.schema.surface import SurfaceSection
 from contact_study.study.tables import TABLE, with_columns, with_drawn_spectra, with_spectrum
+from contact_study.study.uncertainty import with_draws
 
 
 @dataclass(frozen=True)
@@ -154,6 +155,7 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     plugins.load()
     _check_structure(table)
     folder = Path(directory)
+    table = with_draws(table)
     table = with_drawn_spectra(with_spectrum(table, folder), folder)
     for section, declared in SECTIONS.items():  # what a study holds decides its numbers, not a file
         if isinstance(declared, TaggedUnion) and section in table:

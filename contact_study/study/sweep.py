@@ -10,6 +10,7 @@ from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, read, same, split
 from contact_study.study.schema.interaction import AUTO, LENGTH
 from contact_study.study.schema.keys import TaggedUnion, default_of, keys_of
+from contact_study.study.uncertainty import DRAW, SECTION, uncertainty_of
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,13 @@ def sections_at(
 ) -> tuple[list[dict[str, Any]], tuple[str, ...]]:
     """The sections at each point, with swept values and exceptions, and in words the exceptions that no point makes."""
     merged, exceptions, made = [], table.get("override", []), {0}
-    for point in points:
+    draws = [point.get(DRAW, table.get(SECTION, {}).get("draw", 0)) for point in points]
+    uncertain = uncertainty_of(table)
+    drawn = [{}] * len(points) if uncertain is None else uncertain.values(draws)
+    for point, values in zip(points, drawn, strict=True):
         one: dict[str, Any] = {name: dict(table.get(name, {})) for name in SECTIONS}
-        for number, item in enumerate([{"when": {}, **point}, *exceptions]):
+        one[SECTION] = {name: one[SECTION][name] for name in ("seed", "draw") if name in one[SECTION]}
+        for number, item in enumerate([{"when": {}, **point, **values}, *exceptions]):
             if _matches(one, item["when"]):
                 made.add(number)
                 for dotted in [name for name in item if name != "when"]:

@@ -14,7 +14,7 @@ import pytest
 import contact_study
 from contact_study import start
 from contact_study.command_line.verbs.init import example_names
-from contact_study.study.schema.dotted_keys import all_keys, read
+from contact_study.study.schema.dotted_keys import all_keys, read, split
 from contact_study.study.schema.keys import bind
 from contact_study.study.schema.measurement import MeasurementSection
 
@@ -179,6 +179,11 @@ def test_code_of_the_documentation_can_be_read(page):
         given = [(dotted, value) for dotted, values in table.pop("sweep", {}).items() for value in values]
         for item in table.pop("override", []):
             given += (item.pop("when") | item).items()
+        uncertain = table.get("uncertainty", {})
+        for dotted in [name for name in uncertain if "." in name]:
+            distribution = uncertain.pop(dotted)
+            given += [(dotted, value) for value in distribution.get("values", [])]
+            split(dotted, page.name)
         for measurement in table.pop("measurement", []):
             bind(MeasurementSection, measurement, "measurement")
         given += [(f"{section}.{name}", value) for section, own in table.items() for name, value in own.items()]

@@ -29,11 +29,12 @@ PICTURES = {
     "magnified": ("area_by_magnification", True, True, "contact area against magnification (Persson)"),
     "detachment": ("detachment_stress", True, True, "detachment stress against magnification (Persson)"),
     "criteria": ("criteria_map", False, False, "criteria of stickiness (theories)"),
+    "tornado": ("tornado", False, False, "what each uncertain key does to the answers ([uncertainty])"),
 }
 USAGE = "FILE.nc [PICTURE] [-o PICTURE.png] [--case KEY=VALUE] [--step N]"
 _ONE = "bem-adhesion plot bem.nc map --case well_depth_ratio=4 --step -1 -o gap.pdf"
 _LIST = "".join(f"  {word:12}{words}\n" for word, (*_, words) in PICTURES.items())
-END = f"pictures:\n{_LIST}\n{epilog('bem-adhesion plot bem.nc', _ONE)}"
+END = f"pictures:\n{_LIST}\n{epilog(_ONE)}"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -67,11 +68,11 @@ def run(given: argparse.Namespace) -> int:
             shown, words = narrowed(shown)
             chosen += words
         try:
-            axes = getattr(plots, name)(shown, **options)
+            drawn = getattr(plots, name)(shown, **options)
         except ValueError as error:
             raise InputError(f"{given.file}: {error}") from None
         writable_output(output)
-        write_aside(output, lambda partial: axes.figure.savefig(partial, dpi=RESOLUTION, format=kind))
+        write_aside(output, lambda partial: drawn.figure.savefig(partial, dpi=RESOLUTION, format=kind))
     if chosen:
         print(f"{given.command}: shown is {', '.join(chosen)}; --case and --step choose others", file=sys.stderr)
     print(output)

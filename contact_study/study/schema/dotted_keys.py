@@ -31,6 +31,7 @@ SECTIONS: dict[str, type | TaggedUnion] = {
     "sampling": sections.SamplingSection,
     "dynamics": sections.DynamicsSection,
     "theory": sections.TheorySection,
+    "uncertainty": sections.UncertaintySection,
     "output": sections.OutputSection,
 }
 WHOLE_STUDY = ("study", "output")  # sections that every point of a sweep shares
@@ -115,7 +116,12 @@ def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
 
 def bare_numbers(table: Mapping[str, Any], loading: LoadingSection) -> tuple[str, ...]:
     """A line on the keys of a checked study file whose numbers are taken in SI for want of a unit, if there are."""
-    given = [(f"{section}.{name}", value) for section in SECTIONS for name, value in table.get(section, {}).items()]
+    given = [
+        (f"{section}.{name}", value)
+        for section in SECTIONS
+        for name, value in table.get(section, {}).items()
+        if name in keys_of(SECTIONS[section])  # not the distributions of [uncertainty]
+    ]
     for part in (table.get("sweep", {}), *table.get("override", [])):
         given += [(dotted, value) for dotted, value in part.items() if dotted != "when"]
     found = {}

@@ -221,6 +221,15 @@ class TheorySection:
 
 
 @dataclass(frozen=True)
+class UncertaintySection:
+    """Draws of uncertain keys; their distributions are the section's entries with dotted names."""
+
+    draws: int | None = key(keys.integer(1, 65536), "number of draws beside the central case", None)
+    seed: int = key(keys.integer(0, 2**63 - 1), "seed of the quasi-random draws", 1)
+    draw: int = key(keys.integer(0, 65536), "number of a draw, 0 for the central case; swept by draws", 0)
+
+
+@dataclass(frozen=True)
 class OutputSection:
     """Output that is kept."""
 
