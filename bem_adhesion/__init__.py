@@ -6,6 +6,7 @@ A height array, its size, a solid and a law make a contact; states follow from s
 
 from bem_adhesion.contacts.rough_contact import Contact, rough_contact
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
+from bem_adhesion.gradients.gradient import Gradient, fold_gradient, gradient
 from bem_adhesion.solution import Outcome, Solution
 from contact_study import __version__
 from contact_study.physics.laws import (
@@ -43,6 +44,7 @@ __all__ = [
     "Exponential",
     "ExponentialCore",
     "FunctionSolid",
+    "Gradient",
     "HalfSpace",
     "HardWall",
     "Layer",
@@ -63,6 +65,8 @@ __all__ = [
     "Viscoelastic",
     "ViscoelasticContact",
     "__version__",
+    "fold_gradient",
+    "gradient",
     "rough_contact",
 ]
 

@@ -73,7 +73,8 @@ class AdhesiveContact:
         self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
         check_arguments(grid, control, tolerance, max_iterations, self.elasticity, machine_compliance)
-        self.height, self.law = height, law
+        self.height, self.law, self.grid = height, law, grid
+        self.machine_compliance = machine_compliance  # per area (m/Pa)
         self.control, self.tolerance, self.max_iterations = control, tolerance, max_iterations
         self.hardness = hardness
         self._reach = reach(law)
@@ -81,8 +82,8 @@ class AdhesiveContact:
         self._law = law.scaled(self._length, self.elasticity.contact_modulus)
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
         self._inside: Any = window or ...
-        strength = None if work_of_adhesion is None else work_of_adhesion / law.work_of_adhesion
-        pointwise = LocalLaw.of(law, strength, hardness, height[self._inside].shape)
+        self.strength = None if work_of_adhesion is None else work_of_adhesion / law.work_of_adhesion
+        pointwise = LocalLaw.of(law, self.strength, hardness, height[self._inside].shape)
         self._local = LocalEnergy(law, window=window, pointwise=pointwise)
         solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
         inside, (dy, dx) = height[self._inside] / self._length, self._grid.spacing

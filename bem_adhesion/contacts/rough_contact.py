@@ -275,35 +275,35 @@ class FreeBoundaryContact:
         if control not in ("pressure", "approach"):
             raise ValueError(f"control = {control!r}: with free boundaries 'pressure' or 'approach'")
         self.height, self.law, self.control = height, law, control
-        self._window = slice(grid.shape[0]), slice(grid.shape[1])
+        self.window = slice(grid.shape[0]), slice(grid.shape[1])
         down, across = PADDING[boundary]
         shape, size = (down * grid.shape[0], across * grid.shape[1]), (down * grid.size[0], across * grid.size[1])
         self._grid = Grid(shape, size)
         free = FreeHalfSpace(solid.contact_modulus, boundary)
         self._mean_stiffness = free.mean_stiffness_on(self._grid)
-        self._share = grid.points / self._grid.points
-        options["machine_compliance"] = machine_compliance / self._share
+        self.share = grid.points / self._grid.points
+        options["machine_compliance"] = machine_compliance / self.share
         heights = np.full(self._grid.shape, -np.inf if law.bare_wall else float(height.min()))
-        heights[self._window] = height
-        self._padded: HardWallContact | AdhesiveContact
+        heights[self.window] = height
+        self.padded: HardWallContact | AdhesiveContact
         if law.bare_wall:
-            self._padded = HardWallContact(heights, self._grid, free, **options)
+            self.padded = HardWallContact(heights, self._grid, free, **options)
         else:
-            self._padded = AdhesiveContact(heights, self._grid, free, law, window=self._window, **options)
+            self.padded = AdhesiveContact(heights, self._grid, free, law, window=self.window, **options)
 
     def separated(self) -> np.ndarray:
         """Return the state of separated surfaces, on the padded grid."""
-        return self._padded.separated()
+        return self.padded.separated()
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """Find the state under a load, see :meth:`Contact.step`; its ``state`` alone is on the padded grid."""
         state, target = step_arguments(self.control, target, state, self._grid.shape)
-        found = self._padded.step(state, target * self._share if self.control == "pressure" else target)
+        found = self.padded.step(state, target * self.share if self.control == "pressure" else target)
         fields = found.gap, found.pressure, found.displacement, found.plastic_indentation
-        inside: Any = [None if each is None else np.ascontiguousarray(each[self._window]) for each in fields]
+        inside: Any = [None if each is None else np.ascontiguousarray(each[self.window]) for each in fields]
         gap, pressure, displacement, yielded = inside
         mean_pressure = float(pressure.mean())
-        plane = float(found.displacement.mean()) - mean_pressure * self._share / self._mean_stiffness
+        plane = float(found.displacement.mean()) - mean_pressure * self.share / self._mean_stiffness
         # Half the work of the pressures, at each point from the undeformed surface to the displacement.
         elastic = 0.5 * float(np.mean(pressure * (displacement - plane)))
         return replace(
@@ -313,12 +313,12 @@ class FreeBoundaryContact:
             pressure=pressure,
             plastic_indentation=yielded,
             elastic_energy=elastic,
-            interaction_energy=found.interaction_energy / self._share,
+            interaction_energy=found.interaction_energy / self.share,
             plane=plane,
         )
 
     def stiffness(self, solution: Solution) -> float:
         """Return −dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
-        inner = self._padded.stiffness(solution)
+        inner = self.padded.stiffness(solution)
         # In series: the mean of the padded surface, and the undeformed surface beyond it.
-        return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness)) if inner else 0.0
+        return 1 / (self.share * (1 / inner + 1 / self._mean_stiffness)) if inner else 0.0

@@ -52,9 +52,10 @@ class HardWallContact:
         self._approach_stiffness = approach_stiffness(self.elasticity, grid, machine_compliance)
         self.turn = RLock()
         self.control, self.tolerance, self.max_iterations = control, tolerance, max_iterations
-        self.grid = grid
+        self.grid, self.law, self.strength = grid, HardWall(), None
+        self.machine_compliance = machine_compliance  # per area (m/Pa)
         self.hardness = np.inf if hardness is None else positive("hardness", hardness, "Pa")
-        self._height = height
+        self.height = height
         finite = ~np.isneginf(height)
         self._bounded = bool(finite.all())
         present = height if self._bounded else height[finite]
@@ -76,7 +77,7 @@ class HardWallContact:
         period, modulus = self._period, self.elasticity.contact_modulus
         self._unit_of_level, self._pressure_unit = unit, modulus * unit / period
         grid = Grid(self.grid.shape, (self.grid.size[0] / period, self.grid.size[1] / period))
-        heights = self._height - self._mean_height
+        heights = self.height - self._mean_height
         heights /= unit
         make_operator = periodic(self.elasticity.scaled(period, modulus), threads=self._threads, work=self._work)
         self._level = ContactLevel(heights, grid, make_operator, self.hardness / self._pressure_unit)
@@ -97,7 +98,7 @@ class HardWallContact:
         if self._flat or touching.all():
             return np.inf if touching.all() else 0.0
         single = self._level.single
-        shift = typical_wavenumber(np.where(np.isfinite(self._height), self._height, self._mean_height), self.grid)
+        shift = typical_wavenumber(np.where(np.isfinite(self.height), self.height, self._mean_height), self.grid)
         shift *= 0.5 * self._period  # K of that wave in units of the modulus over the period
         curvature = np.where(touching, np.float32(PINNED * single.largest), np.float32(0))
         found = LinearisedContact(single, shift).mean_stiffness(curvature, touching)
@@ -119,7 +120,7 @@ class HardWallContact:
         if self._flat:
             return self._solution(np.full(self.grid.shape, mean_pressure), np.zeros(self.grid.shape))
         if mean_pressure == 0:
-            return self._apart(float(self._height.max()))
+            return self._apart(float(self.height.max()))
         unit = self._unit_at(mean_pressure / self._share * self._period / self.elasticity.contact_modulus)
         self._scale_to(unit)
         level, load = self._level, mean_pressure / self._pressure_unit
@@ -140,7 +141,7 @@ class HardWallContact:
 
     def _at_gap(self, state: np.ndarray, mean_gap: float) -> Solution:
         """Find the pressure that leaves that gap."""
-        if self._flat or mean_gap >= self._height.max() - self._mean_height:
+        if self._flat or mean_gap >= self.height.max() - self._mean_height:
             return self._apart(self._mean_height + mean_gap)
         least_full = self._level.least_full_contact_pressure() * self._pressure_unit
         if mean_gap == 0:
@@ -159,7 +160,7 @@ class HardWallContact:
 
     def _at_approach(self, state: np.ndarray, approach: float) -> Solution:
         """Find the pressure that leads to that approach."""
-        highest = float(self._height.max())
+        highest = float(self.height.max())
         plane = highest - approach
         if approach <= self._rounding:
             return self._apart(plane)
@@ -234,17 +235,17 @@ class HardWallContact:
 
     def _all_yielded(self, found: Solution, lift: float) -> Solution:
         """Move the solid where every point yields: flagged, as no load holds the surfaces there."""
-        there = np.isfinite(self._height)
+        there = np.isfinite(self.height)
         surface = found.displacement + lift
         pressure, gap = np.where(there, self.hardness, 0.0), np.where(there, 0.0, np.inf)
-        indentation = np.where(there, np.maximum(self._height - surface, 0.0), 0.0)
+        indentation = np.where(there, np.maximum(self.height - surface, 0.0), 0.0)
         end = found.residual, found.iterations, Outcome.YIELDED
         return self._solution(pressure, gap, end, surface, indentation)
 
     def _apart(self, plane: float) -> Solution:
         """Return the solution without contact, the solid's surface at a height (m)."""
         surface = np.full(self.grid.shape, plane)
-        return self._solution(np.zeros(self.grid.shape), surface - self._height, surface=surface)
+        return self._solution(np.zeros(self.grid.shape), surface - self.height, surface=surface)
 
     def _solution(
         self,
@@ -254,7 +255,7 @@ class HardWallContact:
         surface: np.ndarray | None = None,
         indentation: np.ndarray | None = None,
     ) -> Solution:
-        displacement = self._height + gap if surface is None else surface
+        displacement = self.height + gap if surface is None else surface
         work = inner_product(pressure, displacement) / self.grid.points
         elastic_energy = 0.5 * float(work - pressure.mean() * displacement.mean())
         elastic_energy += self.elasticity.compression_energy(float(pressure.mean()))
@@ -276,5 +277,5 @@ class HardWallContact:
             outcome=outcome,
             complementarity_residual=beyond,
             plastic_indentation=indentation,
-            law=HardWall(),
+            law=self.law,
         )

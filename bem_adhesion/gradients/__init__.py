@@ -1,0 +1,1 @@
+"""Derivatives of what a state gives, by adjoint solves with the linearised equations of the contact."""
