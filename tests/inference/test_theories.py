@@ -102,6 +102,7 @@ def test_displacement_with_contact_radius_gives_the_radius():
     assert float(found["displacement_zero"][0]) == pytest.approx(3e-6, rel=0.1)
 
 
+@pytest.mark.validation
 def test_several_curves_share_constants_and_have_offsets_of_their_own():
     one, moved = jkr_probe(5), jkr_probe(5).curve.copy()
     moved["displacement"] = moved["displacement"] + 4e-7
@@ -145,6 +146,7 @@ def test_points_in_flight_are_left_out(probe):
     assert low - noise < fold < high + noise
 
 
+@pytest.mark.validation
 def test_samples_of_the_posterior_scatter_as_the_intervals_say():
     pytest.importorskip("emcee")
     one = jkr_test(3)
