@@ -30,6 +30,7 @@ _DEEPER = 0.05  # of the depth: how far loops go beyond it, so that curves of on
 _STEPS = 0.25  # of the range of adhesion: largest step near contact
 _AROUND = 3.0  # ranges of adhesion before first touch from which steps are as fine
 _SHARP, _DEEP = 4.0, 0.05  # of a jump: its slope over its neighbours', and its height over the largest tension
+_FEWEST, _MOSTLY = 20, 0.9  # states of a loop, and their share that must have converged
 _NEAR = 400  # places among which the least force is sought
 _RESOLUTION = 0.003  # of the adaptive steps
 _TAIL = 12.0  # ranges of adhesion from which an approach begins
@@ -231,8 +232,9 @@ def _shortened(note: str) -> str:
 
 def _ways(loop: xr.Dataset, modulus: float) -> tuple[np.ndarray, np.ndarray]:
     """States of approach and retraction of one loop by rising displacement: (m) and force over E* (m²)."""
-    x, force, outwards = force_states(loop)
-    if not (loop["converged"] == 1).all() or force.size < 20 or force.max() <= 0:
+    states = force_states(loop)
+    x, force, outwards = (one[np.isfinite(states[1])] for one in states)  # those that converged
+    if force.size < _FEWEST or force.size < _MOSTLY * states[1].size or force.max() <= 0:
         work = float(loop["work_of_adhesion"])
         raise InputError(
             f"study: the loop at w/E* = {work / modulus:.3g} m does not converge or reach contact; check surface.size "
