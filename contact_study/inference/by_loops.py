@@ -48,7 +48,7 @@ def fit_by_loops(
     if any(2 in curve.rows for curve in curves):
         raise InputError("contact_radius: simulated loops give force and displacement; leave the column out with -")
     own = {**known, RADIUS: Prior(loops.radius), RANGE: Prior(loops.range)}
-    problem, first = starts(MODELS["jkr"], curves, own)
+    problem, first = starts(MODELS["maugis"], curves, own)
     smooth = fit(problem, first)
     constants = smooth.problem.constants(smooth.best)
     loops.prepare(_depth(smooth))
