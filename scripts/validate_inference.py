@@ -51,7 +51,7 @@ def run(given: argparse.Namespace) -> None:
     show(("experiments", "parameter", "true value inside", "error", "half width of the interval", "seconds each"), rows)
 
 
-def covered(name: str, make: Callable[[int], Experiment], count: int) -> list[tuple[object, ...]]:
+def covered(name: str, make: Callable[[int], Experiment], count: int) -> list[tuple[str, ...]]:
     """Rows of a table: how many intervals hold the true value, and medians of error and width."""
     inside: dict[str, list[bool]] = {}
     errors: dict[str, list[float]] = {}
