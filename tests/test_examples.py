@@ -23,6 +23,7 @@ SMALLER = {
     "ensemble": ("samples = 12", "samples = 2"),
     "atoms_beside_continuum": ("poisson, well, r0 = 64", "poisson, well, r0 = 32"),
     "leakage": ("[128, 128]", "[64, 64]"),
+    "uncertain_inputs": ("draws = 32", "draws = 10"),
     "sheet": ('"1.5 eV", "100 eV", "1500 eV"', '"1.5 eV", "100 eV"'),
     "line_contact": ("points, extent = 512", "points, extent = 128"),
     "viscoelastic_pull_off": ("1e-5, 8", "1e-5, 2"),

@@ -117,8 +117,9 @@ def expansion(inputs: Sequence[Input], shares: np.ndarray, answer: np.ndarray, l
             found, *_ = np.linalg.lstsq(columns, answer, rcond=None)
             left = answer - columns @ found
             noise = float(left @ left) / (count - terms)
-            if noise < 1e-24 * float(answer @ answer) / count:  # rounding
-                noise = 0.0
+            rounding = 1e-24 * float(answer @ answer) / count
+            noise = noise if noise > rounding else 0.0
+            found[1:][found[1:] ** 2 < rounding] = 0.0
             return Expansion(tuple(inputs), order, pairs, found, tuple(owners), noise, count)
     raise ValueError(f"{len(answer)} points determine no expansion in {len(inputs)} inputs; {2 * terms} do")
 

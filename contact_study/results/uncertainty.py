@@ -147,6 +147,8 @@ def _check_alike(dataset: xr.Dataset, anchors: xr.Dataset, draws: Draws, own: Dr
 def _answer(dataset: xr.Dataset, name: str) -> xr.DataArray:
     """An answer by draw, first; NaN where a state did not converge."""
     found = dataset[name].astype(float)
+    if "draw" not in found.dims:  # the same at all draws
+        found = found.expand_dims(draw=dataset["draw"])
     if "step" in found.dims and "converged" in dataset:
         found = found.where(dataset["converged"] == 1)
     return found.where(np.isfinite(found)).transpose("draw", ...)
@@ -157,18 +159,21 @@ def _corrected(
 ) -> tuple[xr.DataArray | None, xr.DataArray | None]:
     """The answer corrected by the anchors', and the error at an anchor that is left out; None if they say nothing."""
     if answer is None:
-        answer = xr.ones_like(truth.isel(draw=0, drop=True)).expand_dims(draw=list(draws.numbers))
-        answer = answer * np.sign(truth.mean("draw"))
+        answer = xr.zeros_like(truth.isel(draw=0, drop=True)).expand_dims(draw=list(draws.numbers))
     if not set(truth.dims) <= set(answer.dims):
         return answer, None
     truth = xr.broadcast(truth, answer.isel(draw=0, drop=True))[0].transpose(*answer.dims)
     places = [draws.numbers.index(number) for number in own.numbers]
-    values, wanted = answer.values.reshape(len(answer), -1), truth.values.reshape(len(truth), -1)
+    values, wanted = answer.values.reshape(len(answer), -1).copy(), truth.values.reshape(len(truth), -1)
     found, errors = np.full_like(values, np.nan), np.full(values.shape[1], np.nan)
     for column in range(values.shape[1]):
         there = np.isfinite(wanted[:, column]) & np.isfinite(values[places, column])
+        silent = not np.nan_to_num(values[:, column]).any()  # a theory of no answer, or one that is zero at all draws
+        if silent:
+            values[:, column] = np.sign(np.nansum(wanted[:, column]))
+            there = np.isfinite(wanted[:, column])
         true, given = wanted[there, column], values[places, column][there]
-        if not there.any():
+        if not there.any() or (silent and len(true) < 2 * _coefficients(draws.inputs)):
             continue
         # The ratio of answers varies little with the inputs; only their difference exists where signs change.
         by_ratio = bool((true * given > 0).all())
@@ -180,6 +185,11 @@ def _corrected(
             errors[column] /= np.abs(true).max() or np.nan
     found = found.reshape(answer.shape)
     return answer.copy(data=found), answer.isel(draw=0, drop=True).copy(data=errors.reshape(answer.shape[1:]))
+
+
+def _coefficients(inputs: Sequence[Input]) -> int:
+    """Number of coefficients of a linear expansion."""
+    return 1 + sum(one.choices - 1 if one.choices else 1 for one in inputs)
 
 
 def _change(inputs: Sequence[Input], shares: np.ndarray, change: np.ndarray) -> tuple[Any, float]:

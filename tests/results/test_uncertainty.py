@@ -82,6 +82,29 @@ def test_anchors_add_an_answer_that_the_theory_lacks():
     np.testing.assert_allclose(np.log(found), 0.2 * ndtri([0.05, 0.5, 0.95]), atol=0.2 * 0.07)
 
 
+def test_an_answer_that_the_theory_lacks_needs_anchors_for_each_input():
+    numbers = range(5)
+    anchors = dataset(numbers, linear, work_of_separation=("draw", np.arange(1.0, 6.0), {"units": "J m-2"}))
+    found = contact_study.uncertainty(dataset(range(33), linear), anchors)
+    assert found.work_of_separation.isnull().all()
+
+
+def test_a_theory_without_pull_off_leaves_it_to_the_simulations():
+    pulled = -np.exp(0.2 * ndtri(draws_of(dataset(range(16), linear)).shares[:, 1]))
+    anchors = dataset(range(16), linear, pull_off_pressure=("draw", pulled, {"units": "Pa"}))
+    theory = dataset(range(257), linear, pull_off_pressure=((), 0.0, {"units": "Pa"}))
+    found = contact_study.uncertainty(theory, anchors).pull_off_pressure
+    # Quantiles of 256 Sobol points, see above.
+    np.testing.assert_allclose(np.log(-found), 0.2 * ndtri([0.95, 0.5, 0.05]), atol=0.2 * 0.07)
+
+
+def test_an_answer_that_no_draw_changes_has_no_spread():
+    made = dataset(range(33), linear, pull_off_pressure=((), -0.3, {"units": "Pa"}))
+    found = contact_study.uncertainty(made)
+    assert (found.pull_off_pressure == -0.3).all()
+    assert not found.pull_off_pressure_share.any()
+
+
 def test_correlated_keys_have_no_shares():
     pair = [*DECLARED, 0.5]
     found = contact_study.uncertainty(dataset(range(65), linear, {**DECLARED, "correlation": [pair]}))
