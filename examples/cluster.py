@@ -27,7 +27,7 @@ study = {
 }
 
 if __name__ == "__main__":
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
         found = run(study, engine="dask", scheduler=cluster.scheduler_address)
     figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
     for seed, area in found.relative_contact_area.isel(step=0).groupby("seed"):

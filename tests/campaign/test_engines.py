@@ -23,7 +23,7 @@ pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own, on its way down
 def started(workers, **options):
     distributed = pytest.importorskip("distributed")
     return distributed.LocalCluster(
-        n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=50, **options
+        n_workers=workers, threads_per_worker=1, dashboard_address=":0", silence_logs=50, **options
     )
 
 
