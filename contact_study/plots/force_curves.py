@@ -10,7 +10,7 @@ from contact_study.plots import style
 from contact_study.plots.measured_curves import draw_measured, measured_states
 from contact_study.plots.selection import fit_states, lines, require
 from contact_study.plots.sphere_theories import draw_theories, sphere_theories
-from contact_study.plots.style import COLOURS, Unit, axes_of, picture
+from contact_study.plots.style import COLOURS, axes_of, force_unit, picture
 
 _AXES = {
     "displacement": r"displacement $\delta$",
@@ -31,6 +31,7 @@ def force_curve(
 ) -> Axes:
     """Force over displacement, a line for each point of the sweep; approach dashed, retraction solid.
 
+    An approach after a retraction is dash-dotted.
     All states that adaptive steps passed are shown. A single curve has its pull-off marked. Measured points are
     circles, filled on retraction.
 
@@ -55,24 +56,27 @@ def force_curve(
     forces = np.concatenate([*(y for _, _, y, _ in curves), *(other.force for other in others)])
     force = force_unit(style.largest(forces))
     length = style.length_unit(style.largest(np.concatenate([*(x for _, x, _, _ in curves), *(o.x for o in others)])))
-    axes, turned = axes_of(axes), False
+    axes, ways = axes_of(axes), 1
     for number, (words, x, y, outwards) in enumerate(curves):
         colour, named = COLOURS[number % len(COLOURS)], words
-        # A way out begins at the state before it.
-        for way, look in ((~outwards, "--"), (outwards | np.append(outwards[1:], False), "-")):
-            if np.isfinite(y[way]).any():
-                drawn = np.where(way, y, np.nan) / force.size
+        turns = np.cumsum(np.diff(outwards, prepend=False))
+        for turn in range(turns[-1] + 1):
+            own = turns == turn
+            if np.isfinite(y[own]).any():
+                # A way begins at the state before it.
+                drawn = np.where(own | np.append(own[1:], False), y, np.nan) / force.size
+                look = "--" if turn == 0 else "-" if turn % 2 else "-."
                 axes.plot(x / length.size, drawn, look, color=colour, lw=1.0, label=named or None)
-                named = ""
-        turned |= bool(outwards.any())
+                named, ways = "", max(ways, turn + 1)
     if len(curves) == 1 and "pull_off_force" in dataset and np.isfinite(dataset["pull_off_force"].values).all():
         _, x, y, _ = curves[0]
         lowest, value = int(np.nanargmin(y)), dataset["pull_off_force"].values.item()
         label = f"pull-off {-value / force.size:.3g} {force.name}"
         if against != "contact_radius" or np.isclose(y[lowest], value):  # radii are known of points of the path alone
             axes.plot(x[lowest] / length.size, value / force.size, "v", color=COLOURS[1], ms=5, zorder=4, label=label)
-    if turned:
-        for label, look in (("approach", "--"), ("retraction", "-")):
+    if ways > 1:
+        names = "first approach" if ways > 2 else "approach", "retraction", "later approach"
+        for label, look in list(zip(names, ("--", "-", "-."), strict=True))[:ways]:
             axes.plot([], [], look, color="#404040", lw=1.0, label=label)
     for number, other in enumerate(others):
         draw_measured(axes, other, COLOURS[(len(curves) + 1 + number) % len(COLOURS)], (length, force))
@@ -87,12 +91,15 @@ def force_curve(
 def force_states(part: xr.Dataset, against: str = "displacement") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return displacement (m), force (N) and whether on a way outwards, of each state of one path in contact or before.
 
-    ``against`` is as in :func:`force_curve`. States that did not converge or have detached are NaN.
+    ``against`` is as in :func:`force_curve`. States that did not converge or have detached are NaN. A dwell belongs to
+    the way before it.
     """
     fit = fit_states(part)
     x, y = (np.where(fit, part[name].values, np.nan) for name in (against, "total_force"))
     prescribed, way = next((part[name].values, sign) for name, sign in _INWARDS.items() if name in part.coords)
-    outwards = np.concatenate([[False], np.diff(way * prescribed) < 0])
+    moved = np.diff(way * prescribed, prepend=np.nan)
+    latest = np.maximum.accumulate(np.where(moved != 0, np.arange(moved.size), 0))
+    outwards = moved[latest] < 0
     if against == "contact_radius" or "passed_pressure" not in part or not fit.any():
         return x, y, outwards
     pressure, separation = (part[f"passed_{name}"].values for name in ("pressure", "separation"))
@@ -106,9 +113,3 @@ def force_states(part: xr.Dataset, against: str = "displacement") -> tuple[np.nd
         spring = (part["approach"] - part["displacement"]).values[one] / scale if scale else 0.0
         x = x + spring * pressure
     return x[known], area * pressure[known], outwards[known]
-
-
-def force_unit(most: float) -> Unit:
-    """The unit in which forces up to ``most`` (N) read well."""
-    sizes = (("kN", 1e3), ("N", 1.0), ("mN", 1e-3), ("µN", 1e-6), ("nN", 1e-9))
-    return next((Unit(name, size) for name, size in sizes if most >= size), Unit("pN", 1e-12))

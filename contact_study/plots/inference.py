@@ -8,10 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contact_study.plots import style
-from contact_study.plots.force_curves import force_unit
 from contact_study.plots.measured_curves import MeasuredStates, draw_measured
 from contact_study.plots.selection import require
-from contact_study.plots.style import COLOURS, DOUBLE, Unit, styled
+from contact_study.plots.style import COLOURS, DOUBLE, Unit, force_unit, styled
 
 _NEGLIGIBLE = 1e-3  # evidence of a model whose residuals and profiles are not drawn
 _TOP = 2.5  # of the threshold: to which profiles are drawn

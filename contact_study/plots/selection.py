@@ -3,15 +3,18 @@
 import itertools
 import tomllib
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.ndimage import map_coordinates
 
+from contact_study.plots.style import force_unit, length_unit, pressure_unit
 from contact_study.results.schema import BY_ATOM
 from contact_study.results.state import usable
 
 LOADING, UNLOADING = 0, 1
+_UNITS = {"m": length_unit, "N": force_unit, "Pa": pressure_unit}
 
 
 def require(dataset: xr.Dataset, *names: str) -> None:
@@ -112,12 +115,16 @@ def lines(dataset: xr.Dataset, name: str, *along: str) -> Iterator[tuple[str, xr
         yield ", ".join(words), dataset.sel(dict(zip(dims, values, strict=True)))
 
 
-def label(coordinate: xr.DataArray, value: object) -> str:
-    """One coordinate in words."""
+def label(coordinate: xr.DataArray, value: Any) -> str:
+    """One coordinate in words; lengths, forces and pressures in the unit that suits the smallest."""
     if isinstance(value, str):
         return value.replace("_", " ")
-    units = coordinate.attrs.get("units", "1").replace(" m-2", "/m²").replace(" m-1", "/m")
-    return f"{str(coordinate.name).replace('_', ' ')} = {value:.6g}{'' if units == '1' else f' {units}'}"
+    units, size = coordinate.attrs.get("units", "1").replace(" m-2", "/m²").replace(" m-1", "/m"), 1.0
+    magnitudes = np.abs(coordinate.values[coordinate.values != 0]) if units in _UNITS else np.array([])
+    if magnitudes.size:
+        unit = _UNITS[units](float(magnitudes.min()))
+        units, size = unit.name, unit.size
+    return f"{str(coordinate.name).replace('_', ' ')} = {value / size:.6g}{'' if units == '1' else f' {units}'}"
 
 
 def fit_states(part: xr.Dataset) -> np.ndarray:

@@ -140,3 +140,9 @@ def pressure_unit(most: float) -> Unit:
     """The unit in which pressures up to ``most`` (Pa) read well."""
     sizes = (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3))
     return next((Unit(name, size) for name, size in sizes if most >= size), Unit("Pa", 1.0))
+
+
+def force_unit(most: float) -> Unit:
+    """The unit in which forces up to ``most`` (N) read well."""
+    sizes = (("kN", 1e3), ("N", 1.0), ("mN", 1e-3), ("µN", 1e-6), ("nN", 1e-9))
+    return next((Unit(name, size) for name, size in sizes if most >= size), Unit("pN", 1e-12))

@@ -395,6 +395,26 @@ def test_force_curves_show_the_way_in_dashed_and_the_way_out_solid():
         plots.force_curve(probe(), against="gap")
 
 
+def test_force_curves_show_a_later_approach_apart_from_the_first():
+    approach = [-1.0, 1.0, 3.0, 1.0, 1.0, 2.0, -2.0, np.nan]  # a dwell on the way out; a shorter path is padded
+    force = np.array([0.0, 0.5, 2.0, 0.0, 0.1, 1.0, -0.5, np.nan]) * 1e-9
+    again = path(force / 2e-18, [1] * 8, [5e-9] * 8, np.zeros(8, int), total_force=force, displacement=force)
+    again = again.assign_coords(applied_approach=("step", 1e-9 * np.array(approach)))
+    axes = plots.force_curve(again)
+    drawn = [(line.get_linestyle(), list(np.flatnonzero(np.isfinite(line.get_ydata())))) for line in axes.lines[:4]]
+    assert drawn == [("--", [0, 1, 2]), ("-", [2, 3, 4]), ("-.", [4, 5]), ("-", [5, 6])]
+    looks = [(line.get_linestyle(), line.get_label()) for line in axes.get_legend().get_lines()]
+    assert looks == [("--", "first approach"), ("-", "retraction"), ("-.", "later approach")]
+    once = plots.force_curve(again.isel(step=[0, 1, 2, 3, 7])).get_legend().get_lines()
+    assert [line.get_label() for line in once] == ["approach", "retraction"]
+
+
+def test_values_of_a_sweep_are_in_a_unit_that_suits_them():
+    triggers = xr.DataArray([5e-7, 1.5e-6], dims="trigger_force", name="trigger_force", attrs={"units": "N"})
+    axes = plots.force_curve(xr.concat([probe(), probe()], triggers))
+    assert axes.get_legend_handles_labels()[1][:2] == ["trigger force = 500 nN", "trigger force = 1500 nN"]
+
+
 def test_force_curves_show_all_states_that_adaptive_steps_passed():
     passed = np.full((5, 2), np.nan)
     passed[:, -1] = probe()["mean_pressure"]
