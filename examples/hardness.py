@@ -14,10 +14,8 @@ surface = {
     "size": "1 um",
     "shape": [96, 96],
     "rms_height": "10 nm",
-    "roll_off_mode": 2,
-    "cutoff_mode": 16,
-}
-loading = {"path": ["0.1 GPa", "0.3 GPa", "0.6 GPa", "1 GPa", "1.5 GPa", "2 GPa"], "unload": True}
+} | {"roll_off_mode": 2, "cutoff_mode": 16}
+up, tension = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0], [0.0, -0.03, -0.06, -0.1, -0.15]  # GPa
 wall = {"law": "hard_wall"}
 adhesive = {"law": "exponential", "work_of_adhesion": "2 J/m^2", "length": "2 nm"}
 
@@ -28,8 +26,14 @@ for label, interaction, hardness, colour in (
     ("hardness 6 GPa, adhesion", adhesive, "6 GPa", "C2"),
 ):
     material = {"youngs_modulus": "100 GPa", "poissons_ratio": 0.3} | ({"hardness": hardness} if hardness else {})
-    found = run({"surface": surface, "material": material, "interaction": interaction, "loading": loading})
-    axes.plot(found.mean_pressure / 1e9, found.relative_contact_area, "o-", color=colour, markersize=4, label=label)
-axes.set(xlabel="pressure (GPa)", ylabel="relative contact area")
-axes.legend(frameon=False)
+    path = up + up[-2::-1] + (tension if interaction is adhesive else [])
+    study = {"surface": surface, "material": material, "interaction": interaction}
+    found = run(study | {"loading": {"path": [f"{pressure} GPa" for pressure in path]}})
+    pressure, area = found.mean_pressure / 1e9, found.relative_contact_area.where(found.detached == 0)
+    way_in, way_out = slice(0, len(up)), slice(len(up) - 1, None)
+    axes.plot(pressure[way_in], area[way_in], "o-", color=colour, markersize=4, label=label)
+    axes.plot(pressure[way_out], area[way_out], "o--", color=colour, markersize=4, markerfacecolor="white")
+axes.set(xlabel="pressure (GPa)", ylabel="relative contact area", ylim=(0, None))
+axes.axvline(0, color="0.7", zorder=0)
+figure.legend(frameon=False, title="unloading dashed", loc="outside upper center", ncols=3)
 figure.savefig("hardness.png", dpi=150)

@@ -26,15 +26,15 @@ study = {
 found = contact_study.run(study)
 
 figure, (curve, image) = plt.subplots(1, 2, figsize=(8, 3.4), layout="constrained")
-flows = found.hydraulic_gap_x > 0
-curve.semilogy(found.mean_pressure / 1e6, found.mean_gap * 1e6, "s-", markersize=4, label="mean gap")
-curve.semilogy(
-    found.mean_pressure[flows] / 1e6, found.hydraulic_gap_x[flows] * 1e6, "o-", markersize=4, label="hydraulic gap"
-)
-curve.set(xlabel="pressure (MPa)", ylabel="gap (µm)")
-curve.legend(frameon=False)
+flows, pressure = found.hydraulic_gap_x > 0, found.mean_pressure / 1e6
+curve.semilogy(pressure, found.mean_gap * 1e6, "s-", markersize=4, label="mean gap")
+hydraulic = found.hydraulic_gap_x[flows] * 1e6
+curve.semilogy(pressure[flows], hydraulic, "o-", markersize=4, label="hydraulic gap along x")
+curve.axvline(pressure[~flows].min(), color="0.4", linestyle=":", label="first without flow")
+curve.set(xlabel="pressure (MPa)", ylabel="gap (µm)", ylim=(None, 6))
+curve.legend(framealpha=1, edgecolor="none", loc="upper right")
 last = found.isel(step=int(flows.sum()) - 1)
 gap = (last.gap.where(last.gap > 0) * 1e6).assign_coords(x=last.x * 1e6, y=last.y * 1e6)
 gap.plot.pcolormesh(ax=image, cmap="viridis", cbar_kwargs={"label": "gap (µm), contact white"}, rasterized=True)
-image.set(title=f"last flow, {float(last.mean_pressure) / 1e6:.2g} MPa", xlabel="x (µm)", ylabel="y (µm)", aspect=1)
+image.set(title=f"last flow along x, {pressure[flows].max():.2g} MPa", xlabel="x (µm)", ylabel="y (µm)", aspect=1)
 figure.savefig("leakage.png", dpi=150)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from bem_adhesion import Contact, HardWall, rough_contact
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.plots.style import COLOURS, DOUBLE, readable_decades, styled
+from contact_study.plots.style import COLOURS, DOUBLE, plain_decades, styled
 from contact_study.study.case import realise
 from contact_study.study.study import read_study
 from scripts.harness import STUDY, Option, program, save, show, walk
@@ -66,9 +66,11 @@ def drawn(surface: Surface, points: int) -> Figure:
         for panel, values in ((left, areas), (right, gaps)):
             panel.plot(up, values[: len(up)], color=COLOURS[number], label=name)
             panel.plot(up[::-1], values[len(up) - 1 :], "--", color=COLOURS[number])
-    left.set(xlabel="p/E*", ylabel="relative contact area", ylim=(0, 0.55))
-    right.set(xlabel="p/E*", ylabel="mean gap over rms height", yscale="log")
-    readable_decades(right.yaxis)
+    left.set(xlabel="pressure p/E*", ylabel="relative contact area", ylim=(0, 0.55))
+    right.set(xlabel="pressure p/E*", ylabel="mean gap / rms height", yscale="log")
+    for panel in (left, right):
+        panel.locator_params(axis="x", nbins=5)
+    plain_decades(right.yaxis, few=True)
     left.legend(title="dashed: unloading", loc="upper left", ncols=2)
     return figure
 

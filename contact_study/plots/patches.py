@@ -41,7 +41,8 @@ def leakage(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
             area, label = part["relative_contact_area"].values, f"{words}, along {axis}".lstrip(", ")
             axes.semilogy(area[open_], gap[open_], look, color=colour, ms=3, lw=1.0, label=label)
         if "percolation_area" in part and np.isfinite(part["percolation_area"]):
-            axes.axvline(float(part["percolation_area"]), color=colour, lw=0.7, ls=":")
+            named = f"{words}, closed".lstrip(", ")
+            axes.axvline(float(part["percolation_area"]), color=colour, lw=0.7, ls=":", label=named)
     axes.set(xlabel=r"contact area $A/A_0$", ylabel=f"hydraulic gap ({unit.name})")
     style.add_legend(axes)
     return axes

@@ -64,17 +64,19 @@ for words, areas, known in (("elastic", elastic, "near 0.415"), ("cut by a plane
     error = np.std(areas) / np.sqrt(len(areas) / 2)  # the two directions of a surface are not independent
     print(f"| {words} | {np.mean(areas):.3f} ± {error:.3f} | {known} |")
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.3), layout="constrained")
+apart = {"wspace": 0.1}
+figure, (left, right) = plt.subplots(1, 2, figsize=(8.4, 3.5), layout="constrained", gridspec_kw=apart)
 last, closed = open_states[0][-1], open_states[0][-1].pressure > 0
-image = left.imshow(
-    np.ma.masked_where(closed, 1e9 * last.gap), norm="log", vmin=1e-3, origin="lower", extent=(0, 1) * 2
-)
-left.set(xlabel="x / L", ylabel="y / L", title=f"last way along x, contact {100 * area(closed):.0f} %")
+gaps = np.ma.masked_where(closed, 1e9 * last.gap)
+image = left.imshow(gaps, norm="log", vmin=1e-3, origin="lower", extent=(0, 1) * 2)
+left.set(xlabel="x / L", ylabel="y / L", title=f"last channel along x, contact area {area(closed):.2f}")
 figure.colorbar(image, ax=left, label="gap (nm), contact white")
 for path in open_states[:6]:
     films = [np.where(state.pressure > 0, 0.0, state.gap) for state in path]
     leaks = [1e9 * hydraulic_gaps(film, (size / points, size / points))[1] for film in films]
     right.semilogy([area(film == 0) for film in films], leaks, ".-", lw=0.8)
 right.axvline(0.415, color="0.4", ls=":")  # published
-right.set(xlabel="contact area", ylabel="hydraulic gap along x (nm)", title="published: closed at 0.415")
+right.set(
+    xlabel="relative contact area", ylabel="hydraulic gap along x (nm)", title="six surfaces; dotted: published end"
+)
 figure.savefig("percolation.png", dpi=150)

@@ -444,6 +444,7 @@ def test_patch_sizes_and_leakage():
     along_x, along_y, end = plots.leakage(leaks).lines
     np.testing.assert_allclose(along_x.get_xydata(), [[0.1, 3.0], [0.2, 2.0]])  # nm, and no zero
     np.testing.assert_allclose(along_y.get_xydata(), [[0.1, 2.0], [0.2, 1.0], [0.4, 0.1]])
-    assert (along_y.get_linestyle(), along_y.get_label(), end.get_xdata()[0]) == ("--", "along y", 0.45)
+    assert (along_y.get_linestyle(), along_y.get_label()) == ("--", "along y")
+    assert (end.get_label(), end.get_xdata()[0]) == ("closed", 0.45)
     with pytest.raises(ValueError, match=r"output\.leakage = true"):
         plots.leakage(leaks.drop_vars("hydraulic_gap_y"))
