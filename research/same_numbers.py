@@ -22,8 +22,8 @@ import numpy as np
 import xarray as xr
 
 import contact_study
-from contact_study.command_line.verbs.init import example
 from contact_study.inputs.errors import InputError
+from contact_study.study.examples import example
 from research.state_checks.drawing import drawn
 from scripts.harness import Option, program
 

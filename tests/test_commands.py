@@ -13,9 +13,9 @@ import pytest
 import xarray as xr
 
 from contact_study import plots
+from contact_study.campaign import expectation
 from contact_study.command_line import frame
 from contact_study.command_line.program import VERBS
-from contact_study.command_line.verbs import check
 from contact_study.command_line.verbs.plot import PICTURES
 from contact_study.start import bem_adhesion as program
 from contact_study.study.schema.dotted_keys import SECTIONS
@@ -182,14 +182,14 @@ def test_check_says_what_the_datasets_then_have(folder, verb):
 
 
 def test_limits_are_those_of_the_page_on_choosing():
-    titles = [*check._meanings()]
+    titles = [*expectation.meanings()]
     for number, value, words in (
         *((0, 4.0, "resolves"), (0, 3.9, "trapped on unloading"), (0, 0.9, "factor of two")),
         *((1, 1.1, "stick completely"), (1, 0.9, "partial")),
         *((2, 3.1, "will differ"), (2, 2.9, "may differ"), (2, 0.09, "agree")),
         *((3, 19.0, "light contact, in"), (3, 21.0, "beyond")),
     ):
-        ((_, _, said),) = check._expected([{titles[number]: value}])
+        ((_, _, said),) = expectation.rows([{titles[number]: value}])
         assert words in said
 
 

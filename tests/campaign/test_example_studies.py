@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contact_study.command_line.verbs.init import example, example_names
 from contact_study.start import bem_adhesion, contact_compare
+from contact_study.study.examples import example, example_names
 from contact_study.study.study import read_study
 from tests.campaign.conftest import fail
 

@@ -13,7 +13,7 @@ import pytest
 
 import contact_study
 from contact_study import start
-from contact_study.command_line.verbs.init import example_names
+from contact_study.study.examples import example_names
 from contact_study.study.schema.dotted_keys import all_keys, read, split
 from contact_study.study.schema.keys import bind
 from contact_study.study.schema.measurement import MeasurementSection

@@ -13,7 +13,7 @@ from scipy.ndimage import gaussian_filter
 
 import bem_adhesion.study.model
 import md_reference.study.model
-from contact_study.command_line.verbs.init import example
+from contact_study.study.examples import example
 from tests.commands import main
 from tests.documentation.test_pages import PAGES, SHELL, blocks
 

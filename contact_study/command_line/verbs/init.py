@@ -2,12 +2,11 @@
 
 import argparse
 import tomllib
-from importlib.resources import files
 
 from contact_study.command_line.frame import epilog, print_table
 from contact_study.inputs.errors import DONE, InputError
+from contact_study.study.examples import example, example_names
 
-_SUFFIX, _FOLDER = ".toml", files("contact_study").joinpath("example_studies")
 USAGE = "[NAME] [-o FILE] [--overwrite]"
 END = epilog("bem-adhesion init", "bem-adhesion init rubber", "bem-adhesion init first -o study.toml")
 
@@ -32,25 +31,10 @@ def run(given: argparse.Namespace) -> int:
     if given.output == "-":
         print(text, end="")
         return DONE
-    path = named_file(given.output or f"{given.name}{_SUFFIX}")
+    path = named_file(given.output or f"{given.name}.toml")
     if path.exists() and not given.overwrite:
         raise InputError(f"{path} exists; use --overwrite to replace it, or -o to write another file")
     writable_output(path)
     write_aside(path, lambda partial: partial.write_text(text, encoding="utf-8"))
     print(path)
     return DONE
-
-
-def example_names() -> list[str]:
-    """Return the names of the examples."""
-    return sorted(file.name.removesuffix(_SUFFIX) for file in _FOLDER.iterdir() if file.name.endswith(_SUFFIX))
-
-
-def example(name: str) -> str:
-    """Return the study file of an example; raises InputError for an unknown name."""
-    from contact_study.study.schema.keys import suggestion
-
-    known = example_names()
-    if name not in known:
-        raise InputError(f"unknown example {name}{suggestion(name, known)}; known: {', '.join(known)}")
-    return _FOLDER.joinpath(name + _SUFFIX).read_text(encoding="utf-8")
