@@ -1,4 +1,4 @@
-"""What to expect of a study before it runs: who can run it, what it needs, and the numbers of its adhesion."""
+"""Expectations of a study before it runs: models that can run it, their needs, and numbers of its adhesion."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -17,7 +17,7 @@ from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.study.case import Case
 from contact_study.study.study import Study
 
-_ZONE, _THETA = "grid points per process zone", "theta = Δγ / U_full (Persson, Tosatti)"
+ZONE, _THETA = "grid points per process zone", "theta = Δγ / U_full (Persson, Tosatti)"
 _TABOR, _AREA = "Tabor parameter of the asperities", "area without adhesion, largest load (%)"
 
 
@@ -84,7 +84,7 @@ def meanings() -> dict[str, dict[float, str]]:
     """Return the numbers to expect, and what each means from a least value on."""
     more = f"use {POINTS_PER_PROCESS_ZONE} or more"
     return {
-        _ZONE: {
+        ZONE: {
             POINTS_PER_PROCESS_ZONE: "the grid resolves contact edges",
             POINTS_FOR_ONE_STATE: f"edges are trapped on unloading, pull-off comes out too strong; {more}",
             0: f"too coarse: the area may be wrong by a factor of two, pull-off is the grid's; {more}",
@@ -110,7 +110,7 @@ def _numbers(case: Case) -> dict[str, float]:
     law, solid, scales, found = case.law, case.solid, case.scales, dict[str, float]()
     rough, stress = scales.apex_curvature is None, scales.full_contact_stress(solid)
     if law.attracts and not case.surface.absent:
-        found[_ZONE] = process_zone(solid.softest_modulus(*scales.grid_waves), law) / scales.pixel
+        found[ZONE] = process_zone(solid.softest_modulus(*scales.grid_waves), law) / scales.pixel
     if law.attracts and rough and scales.spectrum is not None:
         found[_THETA] = law.work_of_adhesion / float(scales.spectrum.full_contact_energy(solid.stiffness))
     if law.attracts and scales.rms_curvature > 0:

@@ -7,7 +7,6 @@ import shutil
 import signal
 import sys
 import textwrap
-import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
@@ -56,14 +55,11 @@ def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
         value = found["value"] if found["value"] is not None else next(left, "--")
         if value.startswith("--"):
             raise InputError(f"--{found['key']}: expected a value")
-        try:
-            keys[found["key"]] = tomllib.loads(f"value = {value}")["value"]
-        except ValueError:
-            keys[found["key"]] = value
+        keys[found["key"]] = value
     if not keys:
         return others, keys
     from contact_study.inputs import plugins
-    from contact_study.study.schema.dotted_keys import all_keys
+    from contact_study.study.schema.dotted_keys import all_keys, typed
     from contact_study.study.schema.keys import replacement, suggestion
 
     plugins.load()
@@ -74,7 +70,7 @@ def take_keys(arguments: Sequence[str]) -> tuple[list[str], dict[str, Any]]:
             where = f" {section}" if any(one.startswith(f"{section}.") for one in known) else ""
             meant = replacement(key, "--") or suggestion(f"--{key}", [f"--{one}" for one in known])
             raise InputError(f"unknown key --{key}{meant}; see bem-adhesion keys{where}")
-    return others, keys
+    return others, {key: typed(value) for key, value in keys.items()}
 
 
 def guarded(command: str, body: Any, interrupted: str = "finished steps are kept, continue with --resume") -> int:

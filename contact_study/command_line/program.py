@@ -31,7 +31,7 @@ VERBS = {
     "plot": "draw one picture of a dataset",
     "uncertainty": "intervals of answers and shares of variance from draws of a study",
     "infer": "infer work of adhesion, modulus and range from force curves",
-    "explore": "look at datasets on a page in the browser, or write it as a file",
+    "explore": "look at datasets and set up a first study in the browser",
     "export": "write a dataset as a table, or for ParaView, OVITO and ASE",
     "keys": "list the keys of a study file: units, defaults, meanings",
 }

@@ -34,7 +34,7 @@ _KEPT = "kept state"
 _MAPS = {"gap": "gap", "contact": "contact", "pressure": "pressure", "patches": "clusters", "heights": "height"}
 _MEASURED = (".csv", ".txt", ".dat", ".ibw", ".jpk-force", ".h5")
 _TABS = (pictures.CURVES, pictures.DISTRIBUTIONS)
-_INK = " ".join(f"{name}: var(--panel-on-background-color, #1b1e23);" for name in pictures.INKS)
+_INK = " ".join(f"{name}: var(--design-background-text-color, #1b1e23);" for name in pictures.INKS)
 _LOOK = f":host {{ {_INK} {pictures.GROUND} }}"
 _STEP = 700  # milliseconds of a state while the page plays
 
@@ -177,7 +177,7 @@ class ResultsPage(pn.viewable.Viewer):
         try:
             self._show_state()
             self.fault.object = ""
-        except (InputError, ValueError) as error:
+        except (InputError, ValueError, OSError) as error:
             self._complain(error)
         if list(self._shown) != before or not before:
             self._lay_out()
@@ -209,7 +209,8 @@ class ResultsPage(pn.viewable.Viewer):
         lines = [in_words(self.models[name], cases[name], paths[name], place) for name, place in places.items()]
         self.words.object = f'<div role="status" aria-live="polite">{"<br>".join(map(escape, lines))}</div>'
         fields = {words: name for words, name in _MAPS.items() if name in fields_of(cases[lead])}
-        field = self.field.value if self.field.value in fields.values() else next(iter(fields.values()), None)
+        known = self.field.value in fields.values() and {*fields.values()} == {*self.field.options.values()}
+        field = self.field.value if known else next(iter(fields.values()), None)  # a run has gaps after heights
         self._set(self.field, options=fields, value=field, visible=bool(fields))
         others = {self.models[name].entry.label: name for name in cases if name != lead and fields_of(cases[name])}
         others = {"nothing": "", **others} | ({self.kept[0]: _KEPT} if self.kept else {})
@@ -257,7 +258,7 @@ class ResultsPage(pn.viewable.Viewer):
             picture.figure.title.text = title
         if len(found) == 1:
             self._shown.pop("map1", None)
-        if "height" in state:
+        if "height" in state and "gap" in state:
             self._picture("section", pictures.section_view(state, self.ends), pictures.SectionPicture)
 
     def _picture(self, key: str, view: Any, make: Callable[[Any], Any]) -> Any:

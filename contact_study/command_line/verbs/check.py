@@ -29,7 +29,8 @@ def run(given: argparse.Namespace) -> int:
     rows, notes = [], dict[str, list[str]]()
     for name in [given.model] if given.model else MODELS:
         try:
-            (*row, found) = name, *expectation.judged(MODELS[name], study)
+            possible, memory, time, remark, found = expectation.judged(MODELS[name], study)
+            row = name, possible, memory, time, remark
         except InputError as error:
             if given.model:
                 raise

@@ -1,6 +1,7 @@
 """The sections that a study file may have, and their keys by dotted names, such as ``interaction.length``."""
 
 import math
+import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -53,6 +54,14 @@ def split(dotted: str, where: str) -> tuple[str, str]:
         meant = replacement(dotted) or "; expected section.key, such as interaction.well_depth_ratio"
         raise InputError(f"{where}: unknown key {dotted!r}{meant}")
     return section, name
+
+
+def typed(text: str) -> Any:
+    """The value of a key from what someone typed: TOML, or else the text itself, such as ``2 GPa``."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except ValueError:
+        return text
 
 
 def read(dotted: str, value: Any, where: str = "") -> Any:
