@@ -76,7 +76,5 @@ for path in open_states[:6]:
     leaks = [1e9 * hydraulic_gaps(film, (size / points, size / points))[1] for film in films]
     right.semilogy([area(film == 0) for film in films], leaks, ".-", lw=0.8)
 right.axvline(0.415, color="0.4", ls=":")  # published
-right.set(
-    xlabel="relative contact area", ylabel="hydraulic gap along x (nm)", title="six surfaces; dotted: published end"
-)
+right.set(xlabel="relative contact area", ylabel="hydraulic gap along x (nm)", title="dotted: published closing area")
 figure.savefig("percolation.png", dpi=150)

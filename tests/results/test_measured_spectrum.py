@@ -11,7 +11,7 @@ from scipy.ndimage import grey_dilation
 from scipy.special import gamma
 
 import contact_study
-from contact_study import measured_spectrum
+from contact_study import measured_spectrum, plots
 from contact_study.inputs.errors import InputError
 from contact_study.physics.roughness.combination import combine_spectra, uncovered
 from contact_study.physics.roughness.line_spectrum import isotropic_density
@@ -184,6 +184,9 @@ def test_from_files_to_a_theory_and_a_surface(files, capsys):
     assert (files / "psd.png").stat().st_size > 10_000
     with xr.open_dataset("psd.nc") as dataset:
         found = dataset.load()
+    band = np.concatenate([part.vertices[:, 1] for part in plots.measured_spectra(found).collections[0].get_paths()])
+    for bound in ("power_spectrum_lower", "power_spectrum_upper"):
+        assert np.isin(found[bound].values, band).all(), bound
     assert found.kind.values.tolist() == ["line scan", "map"]
     assert found.doi.values.tolist() == ["10.1/x", ""]
     assert all(one.startswith("sha256:") and len(one) == 71 for one in found.source.values)
