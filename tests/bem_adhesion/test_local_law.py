@@ -46,8 +46,9 @@ def test_a_uniform_map_is_the_law_of_that_work_of_adhesion(name):
     ones, twice = (np.full(HEIGHT.shape, each * the_law.work_of_adhesion) for each in (1.0, 2.0))
     plain, of_ones = (stepped(contact(the_law, **each), loads) for each in ({}, {"work_of_adhesion": ones}))
     for one, other in zip(plain, of_ones, strict=True):
-        # A compiled loop with a factor of one may sum in another order.
-        np.testing.assert_allclose(one.gap, other.gap, rtol=1e-9)
+        # A compiled loop with a factor of one may sum in another order, on some processors: the same iterations, whose
+        # rounding conjugate gradients amplify. Two solves may differ by a thousand times more (below).
+        np.testing.assert_allclose(one.gap, other.gap, atol=1e-7 * R0)
         assert one.interaction_energy == pytest.approx(other.interaction_energy, rel=1e-9)
         assert one.iterations == other.iterations
     found, expected = (
