@@ -112,9 +112,11 @@ def test_zeros_from_the_baseline_and_the_contact(tmp_path):
     # A baseline that drifts by 1 % of the largest force until contact is no contact.
     clean = cycle()[1]
     table[:, 1] = 1e9 * (clean - 0.01 * np.abs(clean).max() * np.clip(1 + displacement / 60e-9, 0, 1))
+    table[60:62, 1] += 0.5 * table[:, 1].max()  # nor are two points alone
     np.savetxt(path, table, header="displacement (nm)\tforce (nN)\tsegment", delimiter="\t")
     drifting = read_force_curve(path, zero_displacement="contact")
     np.testing.assert_allclose(drifting.displacement, displacement, atol=0.5e-9)
+    np.testing.assert_allclose(drifting.total_force, 1e-9 * table[:, 1], rtol=1e-14)  # as given
 
 
 @pytest.mark.parametrize("kind", ["h5", "tab"])
@@ -147,6 +149,22 @@ def test_files_of_microscopes(tmp_path, kind):
         read_force_curve(broken)
 
 
+def test_one_of_the_curves_of_a_file_is_chosen(tmp_path):
+    afm, h5py = pytest.importorskip("afmformats"), pytest.importorskip("h5py")
+    displacement, force, branch = cycle()
+    with h5py.File(tmp_path / "two.h5", "w") as file:
+        for number in (0, 1):
+            data = {"force": (1 + number) * force, "height (measured)": -displacement, "segment": branch}
+            about = {"path": "", "enum": number, "imaging mode": "force-distance", "spring constant": STIFFNESS}
+            curve = afm.mod_force_distance.AFMForceDistance(data, about)
+            curve.export_data(file, metadata=["enum", "imaging mode", "spring constant"], fmt="hdf5")
+    for number in (0, 1):
+        found = read_force_curve(tmp_path / "two.h5", curve=number, zero_force="given")
+        np.testing.assert_allclose(found.total_force, (1 + number) * force, atol=1e-14)
+    with pytest.raises(InputError, match="holds 2 force curves; choose one with curve = 0 to 1"):
+        read_force_curve(tmp_path / "two.h5")
+
+
 FLAT = "displacement (nm), force (nN)\n" + "".join(f"{n},{(-1) ** n}\n" for n in range(200))
 
 
@@ -167,6 +185,7 @@ FLAT = "displacement (nm), force (nN)\n" + "".join(f"{n},{(-1) ** n}\n" for n in
         ("z (nm), deflection (nm)\n1,2\n", {}, 'no force; give spring_constant, as in "0.1 N/m"'),
         ("displacement (nm), force (nN)\n1.5,2\n2,\n", {}, "row 2: the force is missing"),
         ("time (s), displacement (nm), force (nN)\n1,2,3\n0.5,3,4\n", {}, "row 2: time 0.5 s after 1 s"),
+        ("time (s), displacement (nm), force (nN)\n1,2,3\n1,3,4\n", {}, "row 2: time 1 s after 1 s"),
         ("displacement (nm), force (nN), branch\n1,2,0\n2,3,7\n", {}, "branch other than 0"),
         ("displacement (nm), force (nN)\nlow,high\n", {}, "holds no numbers"),
         (FLAT, {"zero_displacement": "contact"}, "shows no contact: .* 5 deviations, 5e-09 N"),
