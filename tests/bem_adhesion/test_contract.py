@@ -471,10 +471,10 @@ def test_a_solution_has_the_numbers_of_a_dataset_and_compares_by_identity(name):
 def test_a_grid_that_does_not_resolve_its_law_is_told_of(options):
     strong = LennardJones104(5.52, 3.28e-10)
 
-    def told(points, law):
+    def told(points, law, **further):
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
-            rough_contact(np.zeros((points, points)), SIZE, E_STAR, law, **options)
+            rough_contact(np.zeros((points, points)), SIZE, E_STAR, law, **options, **further)
         return [str(each.message) for each in said]
 
     (line,) = told(64, strong)
@@ -484,6 +484,11 @@ def test_a_grid_that_does_not_resolve_its_law_is_told_of(options):
     length = quantity(re.search(r"a length of (\S+ \S+) and", line)[1], "m", "")
     assert told(points, strong) == told(64, LennardJones104(5.52, length)) == []
     assert told(points - 64, strong) != [] != told(64, LennardJones104(5.52, 0.95 * length))
+    # A map has the process zone of its strongest adhesion.
+    work = np.full((64, 64), 0.5)
+    work[20, 30] = 5.52
+    (of_map,) = told(64, LennardJones104(1.38, 3.28e-10), work_of_adhesion=work)
+    assert of_map.partition(";")[0] == line.partition(";")[0]
     assert told(64, HardWall()) == told(64, Repulsive(0.0, 3.28e-10, 5.52)) == []
 
 

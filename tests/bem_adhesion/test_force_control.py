@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 import contact_study
 from bem_adhesion import Exponential, HalfSpace, HardWall, rough_contact
+from bem_adhesion.study.trigger import Trigger, step_to_trigger
 from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LennardJones104
 from contact_study.study.study import make_study
@@ -161,6 +162,24 @@ def test_a_way_in_ends_at_its_trigger(loading, tmp_path):
     )
     for name in ("total_force", "displacement"):
         np.testing.assert_array_equal(longer[name], whole[name])
+
+
+def test_a_step_to_a_trigger_counts_all_its_solves_and_is_for_ways_inwards_alone(monkeypatch):
+    contact = rough_contact(sphere(), 1.0, 1.0, HardWall(), "approach", boundary="free")
+    apart, reached = contact.separated(), contact.step(contact.separated(), 0.1)
+    force, step, spent = float(reached.pressure.mean()), contact.step, []
+    monkeypatch.setattr(contact, "step", lambda *given: spent.append(step(*given)) or spent[-1])
+    found, at = step_to_trigger(contact, apart, 0.0, 0.1, Trigger(force, 1e-6))
+    assert (at, len(spent), float(found.pressure.mean())) == (0.1, 1, force), "the target has the force"
+    found, at = step_to_trigger(contact, reached.state, 0.1, 0.09, Trigger(0.1 * force, 1e-6))
+    assert at == 0.09
+    assert 0.1 * force < found.pressure.mean() < force
+    spent.clear()
+    found, at = step_to_trigger(contact, apart, 0.0, 0.1, Trigger(0.5 * force, 1e-6))
+    assert found.pressure.mean() == pytest.approx(0.5 * force, rel=1e-6)
+    assert 0 < at < 0.1
+    for work in ("fft_pairs", "iterations"):
+        assert getattr(found, work) == sum(getattr(each, work) for each in spent) > getattr(spent[-1], work)
 
 
 def test_preloads_are_a_sweep_of_triggers():
