@@ -1,0 +1,241 @@
+"""One dataset of all conditions of the atlas: states, loops, theories and criteria, with a checksum of its content."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from contact_study.atlas.design import STRESS, Condition
+from contact_study.atlas.loops import PRELOADS, REFINEMENTS, file_of, loading_states, own_states, seeds_of
+from contact_study.inputs.errors import InputError
+from contact_study.results.schema import CONVENTIONS, variable_of
+from contact_study.version import __version__
+
+STATES = (
+    "mean_pressure",
+    "mean_gap",
+    "mean_separation",
+    "relative_contact_area",
+    "relative_repulsive_area",
+    "elastic_energy",
+    "interaction_energy",
+    "dissipated_energy",
+    "dissipated_energy_resolution_error",
+    "contact_perimeter",
+    "cluster_count",
+    "mean_patch_diameter",
+    "largest_cluster_area",
+    "converged",
+    "branch",
+)
+_EVENTS = (
+    "pull_off_pressure",
+    "jump_in_pressure",
+    "jump_in_separation",
+    "work_of_approach",
+    "work_of_separation",
+)
+LOOPS = tuple(f"{name}{end}" for name in _EVENTS for end in ("", "_resolution_error"))
+CONSTANTS = (
+    "contact_modulus",
+    "work_of_adhesion",
+    "interaction_length",
+    "contact_distance",
+    "equilibrium_distance",
+    "peak_tensile_stress",
+    "process_zone",
+    "pixel",
+    "rms_height",
+    "rms_slope",
+    "rms_curvature",
+)
+CRITERIA = (
+    "finest_tabor_number",
+    "persson_tosatti_ratio",
+    "pastewka_robbins_ratio",
+    "dmt_tension_ratio",
+    "bearing_area_ratio",
+    "bearing_area_pull_off",
+)
+THEORIES = ("persson", "gap_flow", "edge_flow")
+_OF_THEORIES = ("relative_contact_area", "mean_gap", "converged", "pull_off_pressure")
+_OF_GRIDS = ("mean_pressure", "relative_contact_area", "mean_gap", "dissipated_energy", "pull_off_pressure")
+# Distributions and the name, in the dataset, of what is distributed.
+_DISTRIBUTED = {"gap_pdf": "gap", "pressure_pdf": "pressure"}
+_DESIGNED = {
+    "hurst_exponent": "Hurst exponent",
+    "cutoff_ratio": "cutoff over roll-off wavevector",
+    "relative_adhesion": "work of adhesion over elastic energy of full contact, by design",
+    "tabor_number": "Tabor parameter of the mean asperity, by design",
+    "law": "traction-separation law",
+    "solid": "solid",
+    "points": "points of the grid along a side",
+}
+
+
+def collect(conditions: Sequence[Condition], folder: Path, surfaces: int = 1) -> xr.Dataset:
+    """Join what a folder has of the conditions; those without loops of all surfaces and theories are left out.
+
+    Parameters
+    ----------
+    conditions : sequence of Condition
+        The design.
+    folder : pathlib.Path
+        Where :func:`contact_study.atlas.loops.run_condition` has put its datasets.
+    surfaces : int, optional
+        Number of surfaces of each condition.
+
+    Returns
+    -------
+    xarray.Dataset
+        States on ``condition``, ``surface``, ``preload`` and ``step``; NaN where a loop has no further state.
+
+    Raises
+    ------
+    InputError
+        If the folder has no finished condition.
+    """
+    finished = [one for one in conditions if all(path.exists() for path in _files(one, folder, surfaces))]
+    if not finished:
+        raise InputError(f"{folder}: has no finished condition; run some first")
+    parts = [_condition(one, folder, surfaces) for one in finished]
+    found = xr.concat(parts, xr.Variable("condition", [one.number for one in finished]), join="outer")
+    found["condition"].attrs = {"units": "1", "long_name": "number of the condition in the design"}
+    for name, words in _DESIGNED.items():
+        found[name] = ("condition", [getattr(one, name) for one in finished], {"units": "1", "long_name": words})
+    found.attrs = {
+        "Conventions": CONVENTIONS,
+        "title": "Contact atlas: adhesive rough contacts with loading and unloading",
+        "source": f"bem-adhesion {__version__}",
+        "stress_unit": STRESS,
+        "comment": "preloads are over stress_unit (Pa), half of the contact modulus times the rms slope",
+    }
+    return sealed(found)
+
+
+def sealed(dataset: xr.Dataset) -> xr.Dataset:
+    """Reduce numbers to seven digits and enter the checksum of the content."""
+    small = {
+        name: variable.astype(np.float32) for name, variable in dataset.data_vars.items() if variable.dtype == float
+    }
+    found = dataset.assign(small)
+    return found.assign_attrs(content_sha256=checksum(found))
+
+
+def checksum(dataset: xr.Dataset) -> str:
+    """SHA-256 of names, dimensions and numbers of a dataset, however its file stores them."""
+    digest = hashlib.sha256()
+    for name in sorted(map(str, dataset.variables)):
+        variable = dataset.variables[name]
+        text = variable.dtype.kind in "OUS"
+        values = np.asarray(variable.values, str if text else "<f4")
+        digest.update(f"{name}{variable.dims}{values.shape}".encode())
+        digest.update("\0".join(values.ravel()).encode() if text else (values + np.float32(0)).tobytes())
+    return digest.hexdigest()
+
+
+def _files(condition: Condition, folder: Path, surfaces: int) -> list[Path]:
+    theories = [file_of(folder, condition, f"theory{seed}") for seed in seeds_of(condition, surfaces)]
+    return [file_of(folder, condition), *theories]
+
+
+def _condition(condition: Condition, folder: Path, surfaces: int) -> xr.Dataset:
+    with xr.open_dataset(file_of(folder, condition)) as opened:
+        loops = opened.load()
+    parts = []
+    for seed in seeds_of(condition, surfaces):
+        ways = [_loop(loops.sel(seed=seed).isel(trigger_force=place)) for place in range(len(PRELOADS))]
+        one = xr.concat(ways, xr.Variable("preload", list(PRELOADS)), data_vars="all")
+        one = one.assign(
+            {name: loops[name].sel(seed=seed) if "seed" in loops[name].dims else loops[name] for name in CONSTANTS}
+        )
+        for name in CONSTANTS:  # alike for all preloads
+            if "trigger_force" in one[name].dims:
+                one[name] = one[name].isel(trigger_force=0)
+        deepest = loops.sel(seed=seed).isel(trigger_force=-1)
+        parts.append(one.merge(_theories(file_of(folder, condition, f"theory{seed}"), deepest)))
+    found = xr.concat(parts, xr.Variable("surface", range(1, surfaces + 1)))
+    found = found.drop_vars([name for name in ("seed", "trigger_force") if name in found.variables])
+    found["preload"].attrs = {"units": "1", "long_name": "largest pressure over half of modulus times rms slope"}
+    found["surface"].attrs = {"units": "1", "long_name": "number of the surface"}
+    times = [json.loads(path.read_text())["processor_time"] for path in folder.glob(f"{condition.number:04d}_*.json")]
+    found["processor_time"] = xr.Variable(
+        (), sum(times), {"units": "s", "long_name": "processor time of the condition"}
+    )
+    return found.merge(_grids(condition, folder))
+
+
+def _loop(loop: xr.Dataset) -> xr.Dataset:
+    """States of one loop that are its own, and its events."""
+    there = xr.DataArray(own_states(loop), dims="step")
+    found = {name: loop[name].where(there, variable_of(name).empty).assign_attrs(loop[name].attrs) for name in STATES}
+    for name in LOOPS:
+        known = variable_of(name)
+        given = loop[name] if name in loop else xr.DataArray(np.nan)
+        found[name] = given.assign_attrs(units=known.units, long_name=known.long_name)
+    for name, what in _DISTRIBUTED.items():
+        found |= {
+            key: value.where(there).assign_attrs(value.attrs) for key, value in _moments(loop[name], what).items()
+        }
+    return xr.Dataset({name: value.drop_vars(list(value.coords)) for name, value in found.items()})
+
+
+def _moments(density: xr.DataArray, what: str) -> dict[str, xr.DataArray]:
+    """Standard deviation and skewness of a distribution."""
+    dim = f"{what}_bin"
+    at = density[dim]
+    share = density / density.sum(dim)
+    mean = (share * at).sum(dim)
+    deviation = np.sqrt((share * (at - mean) ** 2).sum(dim))
+    skewness = (share * (at - mean) ** 3).sum(dim) / deviation**3
+    units = at.attrs["units"]
+    return {
+        f"{what}_standard_deviation": deviation.assign_attrs(
+            units=units, long_name=f"standard deviation of the local {what}"
+        ),
+        f"{what}_skewness": skewness.assign_attrs(units="1", long_name=f"skewness of the local {what}"),
+    }
+
+
+def _theories(path: Path, loop: xr.Dataset) -> xr.Dataset:
+    """States of the theories at those on the way in of the deepest loop, and the criteria."""
+    with xr.open_dataset(path) as opened:
+        theory = opened.load()
+    places = np.flatnonzero(loading_states(loop))
+    found: dict[str, xr.Variable] = {}
+    for name in _OF_THEORIES:
+        known = variable_of(name)
+        shape = (len(THEORIES), *((loop.sizes["step"],) if "step" in theory[name].dims else ()))
+        values = np.full(shape, np.nan)
+        for number, label in enumerate(THEORIES):
+            if label not in theory["theory"].values:
+                continue
+            given = theory[name].sel(theory=label) if "theory" in theory[name].dims else theory[name]
+            if len(shape) == 2:
+                values[number, places] = given.values
+            else:
+                values[number] = given
+        dims = ("theory", "step")[: len(shape)]
+        attributes = {"units": known.units, "long_name": f"by theory: {known.long_name}"}
+        found[f"theory_{name}"] = xr.Variable(dims, values, attributes)
+    found |= {name: theory[name].variable for name in CRITERIA}
+    return xr.Dataset(found, {"theory": ("theory", list(THEORIES), {"units": "1", "long_name": "theory"})})
+
+
+def _grids(condition: Condition, folder: Path) -> xr.Dataset:
+    """The deepest loop of the first surface on coarser and finer grids; NaN where there is none."""
+    files = [file_of(folder, condition, f"grid{factor:g}") for factor in REFINEMENTS]
+    if not all(path.exists() for path in files):
+        return xr.Dataset()
+    found = {}
+    loops = []
+    for path in files:
+        with xr.open_dataset(path) as opened:
+            loops.append(_loop(opened.load().isel(seed=0, trigger_force=0)))
+    for name in _OF_GRIDS:
+        one = xr.concat([loop[name] for loop in loops], xr.Variable("refinement", list(REFINEMENTS)))
+        found[f"refined_{name}"] = one.assign_attrs(long_name=f"on another grid: {loops[0][name].attrs['long_name']}")
+    return xr.Dataset(found)

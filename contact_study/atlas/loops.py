@@ -1,0 +1,183 @@
+"""Loops of a condition: approach from separation, loading to a preload, retraction to pull-off; and its theories.
+
+A stiff machine prescribes the approach. The preload is the force at which the way in ends, so that loops to several
+preloads are one sweep. All runs are campaigns: they resume, and their cases run on processes.
+"""
+
+import json
+import time
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contact_study.atlas.design import MODULUS, POISSONS_RATIO, SIZE, STRESS, THICKNESS, Condition
+from contact_study.campaign.library import run
+
+PRELOADS = (0.1, 0.4, 2.0)  # over the stress E* h'/2
+REFINEMENTS = (0.5, 2.0)  # of the grid, to extrapolate its error
+# Approaches over the rms height: contact begins near zero and is full near four.
+_APPROACHES = (0.0, 0.5, *np.arange(1.0, 4.1, 0.25).tolist(), 6.0)
+_APART = 2.0, 3.0  # rms heights and lengths of the law between start and first touch
+_STIFFNESS = 100.0  # of the machine, over E* L; that of the longest wave is π
+_RESOLUTION = 0.05  # least step over five lengths of the law
+
+
+def study_of(condition: Condition, seeds: Sequence[int], refinement: float = 1.0) -> dict[str, Any]:
+    """Make the study of a condition's loops, on its grid or on another; a refined one has the largest preload only.
+
+    Parameters
+    ----------
+    condition : Condition
+        One of :func:`contact_study.atlas.design.design`.
+    seeds : sequence of int
+        Surfaces.
+    refinement : float, optional
+        Points a side over those of the condition.
+
+    Returns
+    -------
+    dict
+        As for :func:`contact_study.run`.
+    """
+    points = round(condition.points * refinement / 2) * 2
+    height = condition.spectrum.rms_height
+    start = -(_APART[0] * height + _APART[1] * condition.length)
+    preloads = PRELOADS if refinement == 1 else PRELOADS[-1:]
+    forces = [preload * STRESS * SIZE**2 for preload in preloads]
+    solid: dict[str, Any] = {"kind": condition.solid}
+    if condition.solid == "layer":
+        solid["thickness"] = THICKNESS
+    return {
+        "study": {"title": f"contact atlas, condition {condition.number}"},
+        "surface": _surface(condition, points),
+        "material": {"youngs_modulus": MODULUS * (1 - POISSONS_RATIO**2), "poissons_ratio": POISSONS_RATIO},
+        "elasticity": solid,
+        "interaction": _interaction(condition),
+        "loading": {
+            "control": "approach",
+            "path": [start, *(share * height for share in _APPROACHES)],
+            "unload": True,
+            "adaptive": True,
+            "resolution": _RESOLUTION,
+            "machine_stiffness": _STIFFNESS * MODULUS * SIZE,
+            "trigger_force": forces[-1],
+        },
+        "solver": {"threads": 1},
+        "output": {"restart": False, "gap_bins": 1000, "pressure_bins": 1000},
+        "sweep": {"surface.seed": list(seeds), "loading.trigger_force": forces},
+    }
+
+
+def theory_study_of(condition: Condition, seed: int, pressures: Sequence[float]) -> dict[str, Any]:
+    """Make the study of every theory, fed with the spectrum of one surface, at rising pressures (Pa)."""
+    study = study_of(condition, [seed])
+    del study["sweep"], study["output"]
+    study["surface"]["seed"] = seed
+    return {**study, "loading": {"path": list(pressures)}, "theory": {"spectrum": "surface"}}
+
+
+def _surface(condition: Condition, points: int) -> dict[str, Any]:
+    low, roll_off, cutoff = condition.modes
+    return {
+        "kind": "self_affine",
+        "size": SIZE,
+        "shape": [points, points],
+        "hurst_exponent": condition.hurst_exponent,
+        "rms_height": condition.spectrum.rms_height,
+        "low_mode": low,
+        "roll_off_mode": roll_off,
+        "cutoff_mode": cutoff,
+        "normalisation": "realised",
+    }
+
+
+def _interaction(condition: Condition) -> dict[str, Any]:
+    return {
+        "law": condition.law,
+        "work_of_adhesion": condition.work_of_adhesion,
+        "length": condition.length,
+    }
+
+
+def seeds_of(condition: Condition, surfaces: int) -> list[int]:
+    """Return seeds of a condition's surfaces, which no other condition has."""
+    return [100 * condition.number + surface for surface in range(1, surfaces + 1)]
+
+
+def file_of(folder: Path, condition: Condition, kind: str = "loops") -> Path:
+    """Return the file of a condition's loops, refined loops or theories."""
+    return folder / f"{condition.number:04d}_{kind}.nc"
+
+
+def run_condition(
+    condition: Condition, folder: Path, surfaces: int = 1, refinements: Sequence[float] = (), workers: int = 1
+) -> None:
+    """Run what a folder lacks of a condition: its loops, those on other grids, and its theories.
+
+    Parameters
+    ----------
+    condition : Condition
+        One of :func:`contact_study.atlas.design.design`.
+    folder : pathlib.Path
+        Where its datasets and its processor time are kept.
+    surfaces : int, optional
+        Number of surfaces.
+    refinements : sequence of float, optional
+        Further grids of the first surface, see :func:`study_of`.
+    workers : int, optional
+        Number of processes.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    seeds = seeds_of(condition, surfaces)
+    loops = _run(study_of(condition, seeds), "continuum", file_of(folder, condition), workers)
+    for factor in refinements:
+        study = study_of(condition, seeds[:1], factor)
+        _run(study, "continuum", file_of(folder, condition, f"grid{factor:g}"), workers)
+    for seed in seeds:
+        pressures = loading_pressures(loops.sel(seed=seed).isel(trigger_force=-1))
+        study = theory_study_of(condition, seed, pressures.tolist())
+        _run(study, "theory", file_of(folder, condition, f"theory{seed}"), 1)
+
+
+def _run(study: dict[str, Any], model: str, output: Path, workers: int) -> xr.Dataset:
+    """Run a study, or read what is there; its processor time goes beside it."""
+    began = _processor_time()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of states that did not converge: the dataset has flags
+        found = run(study, model, output=output, resume=True, workers=workers)
+    beside = output.with_suffix(".json")
+    before = json.loads(beside.read_text())["processor_time"] if beside.exists() else 0.0
+    used = _processor_time() - began
+    beside.write_text(json.dumps({"processor_time": before + used}))
+    return found
+
+
+def _processor_time() -> float:
+    """Return the processor time of this process and of those that it has waited for (s)."""
+    import resource
+
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + used.ru_utime + used.ru_stime
+
+
+def loading_pressures(loop: xr.Dataset) -> np.ndarray:
+    """Return the rising positive pressures (Pa) on the way in of one loop, at each of which theories are evaluated."""
+    return loop["mean_pressure"].values[loading_states(loop)]
+
+
+def loading_states(loop: xr.Dataset) -> np.ndarray:
+    """Tell which steps of a loop are states of the way in under a pressure above all before."""
+    pressure = loop["mean_pressure"].values
+    highest = np.maximum.accumulate(np.append(0.0, np.nan_to_num(pressure[:-1])))
+    return (loop["branch"].values == 0) & own_states(loop) & (pressure > highest * (1 + 1e-6))
+
+
+def own_states(loop: xr.Dataset) -> np.ndarray:
+    """Tell which steps of a loop are not the repeated state at the preload."""
+    area = SIZE**2
+    at_preload = np.isclose(loop["mean_pressure"].values * area, float(loop["trigger_force"]), rtol=1e-4)
+    return ~(at_preload & np.append(False, at_preload[:-1]))

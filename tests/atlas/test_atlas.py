@@ -1,0 +1,130 @@
+"""A small condition from its study to the tables of the atlas."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.atlas import loops
+from contact_study.atlas.collection import collect
+from contact_study.atlas.design import STRESS, Condition
+from contact_study.atlas.loops import run_condition
+from contact_study.atlas.validation import problems
+from contact_study.inputs.errors import InputError
+from scripts import contact_atlas
+
+CONDITION = Condition(7, 0.8, 4.0, 0.3, 0.2, "exponential", "half_space")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = tmp_path_factory.mktemp("atlas")
+    assert CONDITION.points == 32
+    run_condition(CONDITION, found)
+    return found
+
+
+@pytest.fixture(scope="module")
+def dataset(folder):
+    return collect([CONDITION], folder)
+
+
+def test_loops_reach_their_preloads_and_end_apart(dataset):
+    assert problems(dataset) == []
+    one = dataset.isel(condition=0, surface=0)
+    np.testing.assert_allclose(one.mean_pressure.max("step") / STRESS, one.preload, rtol=1e-4)
+    for preload in range(3):
+        loop = one.isel(preload=preload).dropna("step", subset=["mean_pressure"])
+        assert loop.relative_contact_area[0] == loop.relative_contact_area[-1] == 0
+        turn = int(loop.mean_pressure.values.argmax())
+        assert (np.diff(loop.mean_separation) < 0).tolist() == [step < turn for step in range(loop.sizes["step"] - 1)]
+    assert (one.pull_off_pressure < 0).all()
+    # A long range has one state at each separation: nothing is lost.
+    assert one.work_of_separation.values == pytest.approx(one.work_of_approach.values, rel=2e-3)
+
+
+def test_moments_are_those_of_the_distributions(folder, dataset):
+    with xr.open_dataset(loops.file_of(folder, CONDITION)) as opened:
+        loop = opened.isel(seed=0, trigger_force=-1).load()
+    whole = dataset.isel(condition=0, surface=0, preload=-1)
+    step = int(np.flatnonzero(whole.mean_pressure > 0.2 * STRESS)[0])
+    own = whole.isel(step=step)
+    density = loop.gap_pdf.isel(step=step)
+    share = density / density.sum()
+    mean = float((share * density.gap_bin).sum())
+    # Points at the wall count as half a bin away from it.
+    assert mean == pytest.approx(float(own.mean_gap), abs=0.5 * float(density.gap_bin.diff("gap_bin")[0]))
+    assert float(own.gap_standard_deviation) == pytest.approx(
+        float(np.sqrt((share * (density.gap_bin - mean) ** 2).sum())), rel=1e-5
+    )
+    # Near full contact the pressure has the deviation of the roughness, E* h'/2.
+    assert float(whole.pressure_standard_deviation.max()) == pytest.approx(STRESS, rel=0.1)
+
+
+def test_theories_are_at_the_pressures_of_loading(dataset):
+    one = dataset.isel(condition=0, surface=0, preload=-1)
+    there = one.theory_relative_contact_area.notnull()
+    assert there.any("step").values.tolist() == [True, False, False]  # no flow goes through a wall
+    assert ((one.branch == 0) & (one.mean_pressure > 0)).values[there.any("theory").values].all()
+    heavy = (one.mean_pressure > STRESS) & there.sel(theory="persson")
+    assert heavy.any()
+    errors = (one.theory_relative_contact_area / one.relative_contact_area - 1).where(heavy)
+    assert float(abs(errors).max()) < 0.1
+    assert one.finest_tabor_number == pytest.approx(CONDITION.tabor_number, rel=0.2)  # that of the surface
+
+
+def test_a_finished_condition_is_not_run_again(folder, monkeypatch):
+    before = {path: path.stat().st_mtime_ns for path in folder.glob("*.nc")}
+    run_condition(CONDITION, folder)
+    assert {path: path.stat().st_mtime_ns for path in folder.glob("*.nc")} == before
+
+
+def test_an_empty_folder_is_an_error(tmp_path):
+    with pytest.raises(InputError, match="no finished condition"):
+        collect([CONDITION], tmp_path)
+
+
+def test_tables_of_a_dataset(dataset, tmp_path, capsys):
+    path = tmp_path / "atlas.nc"
+    dataset.to_netcdf(path)
+    for action in ("validate", "areas", "hysteresis", "cost"):
+        assert contact_atlas.main([action, str(path)]) == 0
+    out = capsys.readouterr().out
+    assert "Persson" in out
+    assert contact_atlas.main(["grids", str(path)]) == 1
+    assert contact_atlas.main(["maps", str(path), "--figure", str(tmp_path / "maps.png")]) == 0
+    path.write_bytes(b"broken")
+    assert contact_atlas.main(["validate", str(path)]) == 1
+    assert "cannot be read" in capsys.readouterr().err
+
+
+def test_the_loss_of_a_loop_is_the_one_between_equal_pressures():
+    """A made-up loop that loses 0.02 of Δγ between a pressure of 0.02 and a tenth of the area."""
+    pressure = [0.0, 0.01, 0.03, 2.0, 0.03, 0.01, -0.01]
+    lost = [0.5, 0.5, 0.5, 0.5, 0.51, 0.53, 0.9]
+    area = [0.0, 0.05, 0.15, 0.9, 0.2, 0.1, 0.0]
+    states = {
+        "mean_pressure": np.array(pressure) * STRESS,
+        "relative_contact_area": area,
+        "dissipated_energy": np.array(lost) * 0.05,
+        "dissipated_energy_resolution_error": np.zeros(7),
+    }
+    constants = {
+        "contact_modulus": 1e9,
+        "work_of_adhesion": 0.05,
+        "peak_tensile_stress": 1e6,
+        "rms_slope": 0.1,
+        "rms_curvature": 1e7,
+        "law": "dugdale",
+        "solid": "half_space",
+        "relative_adhesion": 0.3,
+    }
+    whole = xr.Dataset({name: ("step", value) for name, value in states.items()} | constants)
+    whole = whole.assign_coords(condition=3, surface=1).expand_dims(["condition", "surface", "preload"])
+    (found,) = contact_atlas.loops_of(whole)
+    assert found.measured == pytest.approx(1 + 0.02 / (0.9 - 0.1))
+    assert found.candidate == found.quadratic == 1  # far below the threshold
+
+
+def test_grids_extrapolate_a_known_order():
+    values = [1 + 0.1 * spacing**2 for spacing in (4.0, 2.0, 1.0)]
+    assert contact_atlas.extrapolated(*map(np.array, values)) == pytest.approx(1.0)
