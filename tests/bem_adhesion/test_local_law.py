@@ -15,6 +15,7 @@ from bem_adhesion.operators import Load
 from contact_study.campaign.model import MODELS, check_study
 from contact_study.campaign.record import prepare_run
 from contact_study.numerics.grid import Grid
+from contact_study.physics import adhesion_maps
 from contact_study.study.study import make_study
 from scripts import validate_plasticity
 from scripts.harness import ROOT
@@ -355,6 +356,10 @@ def test_maps_of_files_are_scaled_to_the_mean_and_repeated_on_finer_grids(tmp_pa
     table["adhesion_map"] = {"kind": "file", "path": str(tmp_path / "adhesion.npy")}
     work = contact_study.run(table).work_of_adhesion_map.values
     np.testing.assert_allclose(work, 0.69 * np.repeat(values, 2, axis=1) / values.mean(), rtol=1e-12)
+    # Without adhesion here and there: the law outside a wall goes with it.
+    np.save(tmp_path / "adhesion.npy", [[0.0, 1.0]])
+    factors = adhesion_maps.from_file(Grid((2, 4), (SIZE, SIZE)), tmp_path / "adhesion.npy", None, "adhesion_map")
+    assert factors.tolist() == [[0, 0, 2, 2]] * 2
 
 
 def test_the_content_of_a_map_decides_the_numbers_of_simulations_alone(tmp_path):
