@@ -45,7 +45,7 @@ validation: env
 	@command -v chromium >/dev/null || { command -v apt-get >/dev/null && [ "$$(id -u)" = 0 ] && \
 	  apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium >/dev/null; } || \
 	  echo "no Chromium: the report's test in a browser is skipped; apt-get install chromium" >&2
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m validation
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m validation --durations 12
 
 lint: env
 	$(BIN)/ruff check .

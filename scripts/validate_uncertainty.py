@@ -11,13 +11,10 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 import contact_study
-from bem_adhesion import gradient, rough_contact
-from contact_study.results.uncertainty import draws_of
-from contact_study.study.case import Case
+from bem_adhesion.study.sensitivity import sensitivity
 from scripts.harness import Option, program, show
 
 DRAWS = 200
@@ -95,68 +92,13 @@ def computed(folder: Path) -> xr.Dataset:
 
 
 def by_gradient(truth: xr.Dataset, theory: xr.Dataset) -> dict[str, xr.Dataset]:
-    """Answers by the gradient of the central simulation alone, and by theory with that value and gradient.
-
-    Logarithms of answers are linear in logarithms of keys, and in the Hurst exponent itself. The theory's own linear
-    part, by least squares over its draws, is replaced by the simulation's.
-    """
-    changes = changes_of(truth)
-    slopes = central_slopes()
-    alone, corrected = truth.copy(), theory.copy()
-    for name, by in slopes.items():
-        value = np.log(truth[name].values[0]) + changes @ by.T
-        own = np.log(theory[name].values)
-        columns = np.hstack([np.ones((len(own), 1)), changes])
-        line = columns @ np.linalg.lstsq(columns, own, rcond=None)[0]
-        alone[name] = truth[name].copy(data=np.exp(value))
-        corrected[name] = theory[name].copy(data=np.exp(value + own - line))
+    """Answers by the central simulation and its derivatives, alone, and by theory that they correct."""
+    central = sensitivity(contact_study.make_study(copy.deepcopy(STUDY)))
+    bare = truth.drop_vars([*truth.data_vars])
     return {
-        "gradient": contact_study.uncertainty(alone),
-        "theory, gradient": contact_study.uncertainty(corrected),
+        "gradient": contact_study.uncertainty(bare, central),
+        "theory, gradient": contact_study.uncertainty(theory, central),
     }
-
-
-def changes_of(dataset: xr.Dataset) -> np.ndarray:
-    """Logarithms of keys over their medians, of the Hurst exponent the difference, shape (draws, keys)."""
-    draws = draws_of(dataset)
-    rows = np.array([list(values.values()) for values in draws.uncertainty.values(draws.numbers)])
-    is_exponent = [key.endswith("hurst_exponent") for key in draws.uncertainty.keys]
-    return np.where(is_exponent, rows - rows[0], np.log(rows / rows[0]))
-
-
-def central_slopes() -> dict[str, np.ndarray]:
-    """Derivatives of the logarithm of area and mean gap at each load, shape (loads, keys), by adjoint solves."""
-    case = central_case()
-    heights, exponent, step = sampled(case), STUDY["surface"]["hurst_exponent"], 1e-3
-    sides = [sampled(central_case({"surface.hurst_exponent": exponent + way * step})) for way in (1, -1)]
-    by_exponent = (sides[0] - sides[1]) / (2 * step)
-    contact = rough_contact(heights, STUDY["surface"]["size"], case.solid.contact_modulus, case.law, tolerance=1e-10)
-    state, found = contact.separated(), {"relative_contact_area": [], "mean_gap": []}
-    for load in STUDY["loading"]["path"]:
-        state = contact.step(state, load)
-        for name, of in (("relative_contact_area", "contact_area"), ("mean_gap", "mean_gap")):
-            by = gradient(contact, state, of)
-            every = (
-                by.contact_modulus * case.solid.contact_modulus,
-                by.work_of_adhesion.sum() * case.law.work_of_adhesion,
-                by.length_scale,
-                (by.heights * by_exponent).sum(),
-                (by.heights * heights).sum(),
-            )
-            found[name].append(np.array(every) / by.value)
-    return {name: np.array(rows) for name, rows in found.items()}
-
-
-def central_case(keys: dict[str, Any] | None = None) -> Case:
-    study = {name: dict(section) for name, section in STUDY.items() if name != "uncertainty"}
-    for dotted, value in (keys or {}).items():
-        section, _, name = dotted.partition(".")
-        study[section][name] = value
-    return contact_study.make_study(study).cases[0]
-
-
-def sampled(case: Case) -> np.ndarray:
-    return np.asarray(contact_study.realise(case).sampled)
 
 
 def timed(study: dict[str, Any], model: str, output: Path) -> xr.Dataset:

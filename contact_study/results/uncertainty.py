@@ -27,6 +27,7 @@ ANSWERS = (
     "work_of_separation",
 )
 QUANTILES = (0.05, 0.5, 0.95)
+BY_KEY = "_by_key"  # after the name of an answer: its derivatives by the keys, in SI
 _LEAST = 8  # draws below which an interval is none
 _PRESCRIBED = {"applied_pressure": "mean_pressure", "applied_gap": "mean_gap"}
 
@@ -64,7 +65,8 @@ def uncertainty(dataset: xr.Dataset, anchors: xr.Dataset | None = None) -> xr.Da
     dataset : xarray.Dataset
         Dataset of a run of a study with ``[uncertainty]``, on the dimension ``draw``.
     anchors : xarray.Dataset, optional
-        Dataset of a simulation of the same study at some of these draws. Its answers correct those of ``dataset``.
+        Dataset of a simulation of the same study at some of these draws, or of its central case with derivatives, by
+        :func:`bem_adhesion.study.sensitivity.sensitivity`. Its answers correct those of ``dataset``.
 
     Returns
     -------
@@ -103,7 +105,10 @@ def uncertainty(dataset: xr.Dataset, anchors: xr.Dataset | None = None) -> xr.Da
         answer = corrected = _answer(dataset, name) if name in dataset else None
         errors = None
         if anchors is not None and own is not None and name in anchors:
-            corrected, errors = _corrected(answer, _answer(anchors, name), draws, own)
+            if name + BY_KEY in anchors:
+                corrected = _expanded(answer, anchors[name], anchors[name + BY_KEY], draws)
+            else:
+                corrected, errors = _corrected(answer, _answer(anchors, name), draws, own)
         if corrected is not None:
             found |= _summary(name, corrected, draws)
         if errors is not None:
@@ -185,6 +190,48 @@ def _corrected(
             errors[column] /= np.abs(true).max() or np.nan
     found = found.reshape(answer.shape)
     return answer.copy(data=found), answer.isel(draw=0, drop=True).copy(data=errors.reshape(answer.shape[1:]))
+
+
+def _expanded(
+    answer: xr.DataArray | None, truth: xr.DataArray, by_key: xr.DataArray, draws: Draws
+) -> xr.DataArray | None:
+    """The answer with value and slopes of the central simulation in place of its own; without one the simulation's.
+
+    Logarithms are expanded in logarithms, but for an answer or a key that is not positive. The answer's own slopes are
+    those of a fit of second order, if there are twice as many draws as coefficients, else of a linear one.
+    """
+    keys = np.array([[*values.values()] for values in draws.uncertainty.values(draws.numbers)], float)
+    middle = np.array([*draws.uncertainty.values([0])[0].values()], float)
+    logarithmic = (keys > 0).all(0) & (middle > 0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        changes = np.where(logarithmic, middle * np.log(keys / middle), keys - middle)
+    first = truth.isel(draw=0)
+    template = first.expand_dims(draw=list(draws.numbers)) if answer is None else answer
+    if not set(first.dims) <= set(template.dims):
+        return answer
+    value, *slopes = (
+        xr.broadcast(one, template.isel(draw=0, drop=True))[0].transpose(*template.dims[1:]).values.ravel()
+        for one in (first, *by_key)
+    )
+    found = np.full((len(template), value.size), np.nan)
+    own = None if answer is None else answer.values.reshape(len(answer), -1)
+    scaled = changes / (np.abs(changes).max(0) + (changes == 0).all(0))
+    one, other = np.triu_indices(scaled.shape[1])
+    linear = np.hstack([np.ones((len(scaled), 1)), scaled])
+    every = np.hstack([linear, scaled[:, one] * scaled[:, other]])
+    for column, (center, *by) in enumerate(zip(value, *slopes, strict=True)):
+        there = np.ones(len(changes), bool) if own is None else np.isfinite(own[:, column])
+        positive = center > 0 and (own is None or bool((own[there, column] > 0).all()))
+        left = np.zeros(len(changes))
+        if own is not None and there.sum() > linear.shape[1]:
+            theirs = np.log(own[there, column]) if positive else own[there, column]
+            columns = every if there.sum() >= 2 * every.shape[1] else linear
+            fit = np.linalg.lstsq(columns[there], theirs, rcond=None)[0]
+            left[there] = theirs - linear[there] @ fit[: linear.shape[1]]
+        line = changes @ np.array(by)
+        grown = center * np.exp(line / center + left) if positive else center + line + left
+        found[there, column] = grown[there]
+    return template.copy(data=found.reshape(template.shape))
 
 
 def _coefficients(inputs: Sequence[Input]) -> int:

@@ -142,3 +142,21 @@ def test_the_area_of_draws_is_a_band():
     np.testing.assert_allclose(axes.lines[0].get_ydata(), found[1])
     band = axes.collections[0].get_paths()[0].vertices[:, 1]
     assert (band.min(), band.max()) == pytest.approx((found.values.min(), found.values.max()))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_value_and_slopes_of_one_simulation_replace_those_of_a_theory(sign):
+    theory = dataset(range(65), lambda scores, load: sign * (0.3 + 0.01 * scores[:, 0]))
+    central = dataset([0], lambda scores, load: np.full(1, sign * (0.6 + load * 1e-8)))
+    slopes = sign * np.array([[2e-11, 3e-11], [0.4, 0.0]])  # per Pa, per J/m²
+    found = contact_study.uncertainty(
+        theory, central.assign(relative_contact_area_by_key=(("parameter", "step"), slopes))
+    )
+    areas = found["relative_contact_area_swing"].values
+    middle = sign * np.array([0.61, 0.62])
+    np.testing.assert_allclose(areas[:, 1], [middle, middle], rtol=3e-3)
+    scores = ndtri(0.95)
+    modulus, work = 1e9 * scores * slopes[0], 0.1 * 0.0995 * scores * slopes[1]
+    # Differences of the ends have no errors of second order, and the fit of shares is of third.
+    np.testing.assert_allclose((areas[0, 2] - areas[0, 0]) / 2, modulus, rtol=0.02)
+    np.testing.assert_allclose((areas[1, 2] - areas[1, 0]) / 2, work, rtol=0.02, atol=5e-5)

@@ -13,11 +13,12 @@ from contact_study.inputs.errors import DONE, InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-USAGE = "DRAWS.nc [--anchors SIMULATION.nc] [-o OUT.nc] [--figure FILE]"
+USAGE = "DRAWS.nc [--anchors SIMULATION.nc | --gradient] [-o OUT.nc] [--figure FILE]"
 END = epilog(
     "bem-adhesion run study.toml --model theory -o theory.nc",
     "bem-adhesion run study.toml -o bem.nc --uncertainty.draws 16",
     "bem-adhesion uncertainty theory.nc --anchors bem.nc -o answer.nc --figure tornado.png",
+    "bem-adhesion uncertainty theory.nc --gradient",
 )
 
 
@@ -25,6 +26,8 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="DRAWS.nc", help="dataset of a study with [uncertainty]")
     words = "simulation of some of the draws, to correct the answers"
     parser.add_argument("--anchors", type=Path, metavar="FILE.nc", help=words)
+    words = "correct by one simulation, run now, and its derivatives"
+    parser.add_argument("--gradient", action="store_true", help=words)
     parser.add_argument("-o", "--output", metavar="OUT.nc", help="dataset to write")
     parser.add_argument("--figure", metavar="FILE", help="tornado figure to write")
     parser.add_argument("--overwrite", action="store_true", help="replace existing files")
@@ -46,8 +49,12 @@ def run(given: argparse.Namespace) -> int:
         if path.exists() and not given.overwrite:
             raise InputError(f"{path} exists; use --overwrite to replace it")
         writable_output(path)
+    if given.gradient and given.anchors:
+        raise InputError("--anchors and --gradient exclude each other")
     datasets = [opened(path).load() for path in inputs]
     try:
+        if given.gradient:
+            datasets.append(_central_simulation(datasets[0], given.file.parent))
         found = uncertainty(*datasets)
     except InputError as error:
         raise InputError(f"{given.file}: {error}") from None
@@ -65,6 +72,18 @@ def run(given: argparse.Namespace) -> int:
     if not any(name.endswith("_share") and found[name].notnull().any() for name in found):
         print(f"{given.command}: no shares: too few draws, or keys are correlated", file=sys.stderr)
     return DONE
+
+
+def _central_simulation(dataset: "xr.Dataset", directory: Path) -> "xr.Dataset":
+    """Simulate the central case of a dataset's study, with its derivatives."""
+    import importlib
+    import tomllib
+
+    from contact_study.study.study import make_study
+
+    study = make_study(tomllib.loads(str(dataset.attrs["study_toml"])), directory)
+    found: xr.Dataset = importlib.import_module("bem_adhesion.study.sensitivity").sensitivity(study)
+    return found
 
 
 def _rows(found: "xr.Dataset") -> Iterable[tuple[str, ...]]:
