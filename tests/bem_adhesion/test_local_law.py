@@ -357,9 +357,9 @@ def test_maps_of_files_are_scaled_to_the_mean_and_repeated_on_finer_grids(tmp_pa
     work = contact_study.run(table).work_of_adhesion_map.values
     np.testing.assert_allclose(work, 0.69 * np.repeat(values, 2, axis=1) / values.mean(), rtol=1e-12)
     # Without adhesion here and there: the law outside a wall goes with it.
-    np.save(tmp_path / "adhesion.npy", [[0.0, 1.0]])
-    factors = adhesion_maps.from_file(Grid((2, 4), (SIZE, SIZE)), tmp_path / "adhesion.npy", None, "adhesion_map")
-    assert factors.tolist() == [[0, 0, 2, 2]] * 2
+    np.save(tmp_path / "adhesion.npy", [[0.0, 1.0, 0.0, 1.0]] * 4)
+    factors = adhesion_maps.from_file(Grid((4, 8), (SIZE, SIZE)), tmp_path / "adhesion.npy", None, "adhesion_map")
+    assert factors.tolist() == [[0, 0, 2, 2, 0, 0, 2, 2]] * 4
 
 
 def test_the_content_of_a_map_decides_the_numbers_of_simulations_alone(tmp_path):
