@@ -136,7 +136,18 @@ class ResultsPage(pn.viewable.Viewer):
         self._set(self.files, options=self.files.options | {path.name: path for path in paths}, value=self.paths)
         self._set(self.lead, options=names, value=lead, visible=len(names) > 1)
         self._shown, self.held, self._drawn = {}, None, None
+        if lead is not None and len(self.sweep):
+            self._go_to_states(models[lead].dataset["relative_contact_area"].notnull())
         self._show()
+
+    def _go_to_states(self, known: xr.DataArray) -> None:
+        """Choose the first point of the sweep with states, where that chosen has none, as an unfinished run may not."""
+        menus = {menu.tags[0]: menu for menu in self.sweep if menu.tags[0] in known.dims}
+        there = known.any([dim for dim in known.dims if dim not in menus]).transpose(*menus)
+        if there.any() and not there.sel({dim: menu.value for dim, menu in menus.items()}):
+            first = np.unravel_index(int(there.values.argmax()), there.shape)
+            for (dim, menu), number in zip(menus.items(), first, strict=True):
+                self._set(menu, value=next(one for one in menu.options.values() if one == there[dim].values[number]))
 
     def refresh(self) -> None:
         """Read again what is shown, as a run may have written further states; the last state stays the last."""

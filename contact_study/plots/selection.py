@@ -35,10 +35,16 @@ def single(part: xr.Dataset, name: str, dims: Sequence[str], what: str) -> None:
         raise ValueError(f"the dataset has more than one {what}: select one along {others[0]!r} first")
 
 
+def on_axes(case: xr.Dataset) -> xr.Dataset:
+    """A case whose maps have the dimensions y and x, where a sweep over sizes numbers their points."""
+    numbered = {f"{axis}_index": axis for axis in "yx" if f"{axis}_index" in case.dims}
+    return case.swap_dims({number: axis for number, axis in numbered.items() if case[axis].dims == (number,)})
+
+
 def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
     """The one state of a dataset; ValueError if a variable is missing, or there are several states."""
     require(dataset, *names)
-    squeezed = dataset.squeeze()
+    squeezed = on_axes(dataset.squeeze())
     for dim in squeezed[names[0]].dims:
         if dim not in ("y", "x"):
             values = squeezed[dim].values

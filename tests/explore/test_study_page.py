@@ -166,6 +166,8 @@ def test_the_theories_need_no_grid():
 
 @pytest.mark.validation
 def test_a_run_stops_goes_on_and_is_that_of_the_command(page, tmp_path):
+    from contact_study.explore.results import ResultsPage
+
     widget(page, "surface.shape").value = "128, 128"
     widget(page, "loading.path").value = ", ".join(f"{20 * n} MPa" for n in range(1, 60))
     page.go.clicks += 1
@@ -178,6 +180,9 @@ def test_a_run_stops_goes_on_and_is_that_of_the_command(page, tmp_path):
     wait(lambda: not runs.run_of(output).alive)
     assert runs.run_of(output).state.startswith("stopped")
     assert not output.exists()
+    unfinished = ResultsPage([output], tmp_path)  # some cases of the sweep have not begun
+    assert unfinished.field.value == "gap"
+    assert unfinished._exported("png").read(4) == b"\x89PNG"
     page._resume(output)
     wait(output.exists)
     wait(lambda: not runs.run_of(output).alive)

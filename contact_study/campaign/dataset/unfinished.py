@@ -55,17 +55,15 @@ def read_unfinished(output: Path) -> xr.Dataset | None:
     if not any(file.has_steps for file in files):
         return None
     dataset = assemble(study.sweep, longest, values(), known)[""].assign_attrs(attributes)
-    if kept and {"y", "x"} <= set(dataset.dims):
-        shape = (
-            *(len(swept.values) for swept in study.sweep.values()),
-            longest,
-            dataset.sizes["y"],
-            dataset.sizes["x"],
-        )
+    # Points are numbered where cells differ, as they do from cases that have not begun.
+    plane = [axis if axis in dataset.dims else f"{axis}_index" for axis in "yx"]
+    if kept and {*plane} <= set(dataset.dims):
+        swept = (len(swept.values) for swept in study.sweep.values())
+        shape = (*swept, longest, *(dataset.sizes[axis] for axis in plane))
         for name in _FIELDS:
             lazy = indexing.LazilyIndexedArray(_Field(name, shape, kept))
             attrs = {"units": variable_of(name).units, "long_name": variable_of(name).long_name}
-            dataset[name] = xr.Variable((*study.sweep, "step", "y", "x"), lazy, attrs)
+            dataset[name] = xr.Variable((*study.sweep, "step", *plane), lazy, attrs)
     return dataset
 
 

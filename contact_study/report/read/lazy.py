@@ -12,6 +12,7 @@ import xarray as xr
 from contact_study.campaign.dataset.unfinished import read_unfinished
 from contact_study.campaign.store.files import engine_of, is_dataset, mark_of, readable, require_dataset
 from contact_study.inputs.errors import InputError
+from contact_study.plots.selection import on_axes
 from contact_study.report.models import ShownModel, entry_of, known, of_file
 from contact_study.report.read.datasets import tails
 from contact_study.report.read.files import require_own
@@ -44,8 +45,7 @@ class Model:
             places = dict.fromkeys(dims, 0) | positions(dims, chosen)
         except KeyError:
             return None
-        part = self.dataset.isel(places)
-        part = part.swap_dims({f"{axis}_index": axis for axis in ("y", "x") if f"{axis}_index" in part.dims})
+        part = on_axes(self.dataset.isel(places))
         for variable in part.variables.values():
             if not _PLANE.intersection(variable.dims):
                 variable.load()
