@@ -51,7 +51,7 @@ def test_a_uniform_map_is_the_law_of_that_work_of_adhesion(name):
     for one, other in zip(plain, of_ones, strict=True):
         np.testing.assert_allclose(one.gap, other.gap, rtol=1e-9)
         assert one.interaction_energy == pytest.approx(other.interaction_energy, rel=1e-9)
-        assert one.iterations == other.iterations
+        assert abs(one.iterations - other.iterations) <= 1
     found, expected = (
         stepped(each, loads) for each in (contact(the_law, work_of_adhesion=twice), contact(times(the_law, 2)))
     )
