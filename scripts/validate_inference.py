@@ -2,6 +2,10 @@
 
 python -m scripts.validate_inference spheres
     python -m scripts.validate_inference rough
+    git clone https://github.com/AFM-analysis/nanite build/nanite
+    python -m scripts.validate_inference published --folder build/nanite
+
+The last compares with values of others: force curves of nanite (Müller et al. 2019, doi 10.1186/s12859-019-3010-3).
 """
 
 import argparse
@@ -11,6 +15,7 @@ import time
 import warnings
 from collections.abc import Callable, Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +23,7 @@ import xarray as xr
 
 import contact_study
 from contact_study.inference.library import infer
+from contact_study.inputs.units import stress
 from contact_study.physics.spheres import JKR, MaugisDugdale, SphereTheory
 from contact_study.plots.force_curves import force_states
 from scripts.harness import Option, program, show
@@ -46,7 +52,36 @@ class Experiment(NamedTuple):
     options: Mapping[str, object]
 
 
+class PublishedCurve(NamedTuple):
+    """A force curve in the repository nanite, the radius (m) of its probe, and the modulus (Pa) that others found."""
+
+    title: str
+    path: str
+    radius: float
+    modulus: float
+    found_by: str
+
+
+PUBLISHED = (
+    PublishedCurve(  # tests/test_model_hertz_parabol.py: "fit results in the JPK analysis software"
+        "tip of 40 nm", "tests/data/fmt-jpk-fd_spot3-0192.jpk-force", 40e-9, 233.1e3, "software of the microscope"
+    ),
+    PublishedCurve(  # examples/fit_and_rate.py and its figure; points at the begin of contact count less there
+        "bead of 18.6 µm on tissue",
+        "examples/data/zebrafish-head-section-gray-matter.jpk-force",
+        18.64e-6,
+        77.0,
+        "nanite",
+    ),
+)
+_INCOMPRESSIBLE = 0.5  # Poisson's ratio of both
+
+
 def run(given: argparse.Namespace) -> None:
+    if given.what == "published":
+        head = ("curve", "E by others", "of", "E, errors of both axes", "E, errors of the force alone")
+        show(head, [compared(one, Path(given.folder)) for one in PUBLISHED])
+        return
     rows = [row for name, make in KINDS[given.what].items() for row in covered(name, make, given.experiments)]
     show(("experiments", "parameter", "true value inside", "error", "half width of the interval", "seconds each"), rows)
 
@@ -78,6 +113,19 @@ def covered(name: str, make: Callable[[int], Experiment], count: int) -> list[tu
         )
         for parameter, held in inside.items()
     ]
+
+
+def compared(one: PublishedCurve, folder: Path) -> tuple[str, ...]:
+    """Row of a table: the modulus that others found, and that of Hertz' theory on the approach, with its interval."""
+    whole = contact_study.read_force_curve(folder / one.path)
+    approach = whole.isel(point=whole["branch"].values == 0)
+    cells = []
+    for noise in ({}, {"displacement": 0.0}):
+        found = infer(approach, ["hertz"], fixed={"radius": one.radius}, noise=noise).isel(model=0)
+        moduli = ((1 - _INCOMPRESSIBLE**2) * float(found[f"contact_modulus{end}"]) for end in ("", "_lower", "_upper"))
+        value, low, high = (stress(modulus) for modulus in moduli)
+        cells.append(f"{value} ({low} to {high})")
+    return (one.title, stress(one.modulus), one.found_by, *cells)
 
 
 def _per_cent(widths: list[float]) -> str:
@@ -194,8 +242,9 @@ KINDS = {
 
 main = program(
     run,
-    Option("what", str, "which experiments", choices=tuple(KINDS)),
+    Option("what", str, "which experiments", choices=(*KINDS, "published")),
     Option("--experiments", EXPERIMENTS, "number of each"),
+    Option("--folder", "build/nanite", "clone of nanite, for published"),
 )
 
 if __name__ == "__main__":
