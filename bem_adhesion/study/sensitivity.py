@@ -45,8 +45,8 @@ def sensitivity(study: Study) -> xr.Dataset:
     Raises
     ------
     InputError
-        If a key is a choice or changes the shape of law or stiffness; if the solid is plastic or viscoelastic; if a
-        state does not converge.
+        If a key is a choice or changes the shape of law or stiffness; if the solid is plastic or viscoelastic, or moves
+        against friction; if a state does not converge.
 
     Examples
     --------
@@ -96,6 +96,8 @@ def _case(study: Study, values: dict[str, Any]) -> Case:
 def _check(case: Case) -> None:
     if case.material.hardness is not None or case.elasticity.kind == "viscoelastic":
         raise InputError("material, elasticity: a plastic or viscoelastic contact has no gradient; use simulations")
+    if case.solver.path == "overdamped" and case.law.attracts:
+        raise InputError('solver.path = "overdamped": states in motion have no gradient; use simulations')
     if case.law.attracts and not np.isclose(case.contact_distance, case.law.contact_distance, rtol=1e-9):
         raise InputError("interaction.contact_distance: the gradient has the law's own distance; leave it out")
 

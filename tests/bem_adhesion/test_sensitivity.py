@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import contact_study
 from bem_adhesion import gradient, rough_contact
@@ -90,6 +91,14 @@ def test_one_simulation_has_the_intervals_of_all(central):
             "surface.seed: a",
         ),
         ({"material": {**STUDY["material"], "hardness": "1 GPa"}}, "plastic"),
+        (
+            {
+                "elasticity": {"kind": "viscoelastic", "branch_youngs_moduli": [1e6], "relaxation_times": [1.0]},
+                "loading": {"path": [1e5], "duration": 1.0},
+            },
+            "viscoelastic",
+        ),
+        ({"solver": {"path": "overdamped"}}, "overdamped"),
         ({"interaction": {**STUDY["interaction"], "contact_distance": "1 nm"}}, "contact_distance"),
         ({"sweep": {"surface.seed": [1, 2]}}, "surface.seed is swept"),
         (
@@ -118,3 +127,12 @@ def test_the_command_simulates_once(tmp_path, capsys):
     assert "relative_contact_area" in capsys.readouterr().out
     both = ["uncertainty", str(tmp_path / "theory.nc"), "--gradient", "--anchors", str(tmp_path / "theory.nc")]
     assert main("bem-adhesion", both) == 1
+
+
+def test_draws_of_atoms_have_no_gradient(tmp_path, capsys):
+    coordinates = {"draw": [0], "applied_pressure": ("step", [1e5])}
+    attributes = {"model": "atomistic", "study_toml": study().toml}
+    atoms = xr.Dataset({"mean_gap": (("draw", "step"), [[1e-9]])}, coordinates, attributes)
+    atoms.to_netcdf(tmp_path / "atoms.nc")
+    assert main("bem-adhesion", ["uncertainty", str(tmp_path / "atoms.nc"), "--gradient"]) == 1
+    assert "draws of atoms" in capsys.readouterr().err

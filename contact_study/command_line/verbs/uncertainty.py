@@ -81,6 +81,8 @@ def _central_simulation(dataset: "xr.Dataset", directory: Path) -> "xr.Dataset":
 
     from contact_study.study.study import make_study
 
+    if dataset.attrs.get("model") == "atomistic":
+        raise InputError("--gradient: is one of boundary elements, which draws of atoms do not have; use --anchors")
     study = make_study(tomllib.loads(str(dataset.attrs["study_toml"])), directory)
     found: xr.Dataset = importlib.import_module("bem_adhesion.study.sensitivity").sensitivity(study)
     return found
