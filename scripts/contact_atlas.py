@@ -5,7 +5,7 @@ python -m scripts.contact_atlas collect --tenth -o data/contact_atlas_tenth.nc
 python -m scripts.contact_atlas validate data/contact_atlas_tenth.nc
 python -m scripts.contact_atlas areas data/contact_atlas_tenth.nc
 
-Without --tenth it is the whole design. Each table (design, areas, hysteresis, grids, cost) can be printed alone.
+Without --tenth it is the whole design. Each table (design, areas, grids, cost) can be printed alone.
 """
 
 import argparse
@@ -13,7 +13,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -21,37 +20,22 @@ from matplotlib.figure import Figure
 
 from contact_study.atlas.collection import THEORIES, collect
 from contact_study.atlas.design import SURFACES, TENTH, WHOLE, Condition, design
-from contact_study.atlas.loops import REFINEMENTS, run_condition
+from contact_study.atlas.loops import PRELOADS, REFINEMENTS, run_condition
 from contact_study.atlas.validation import problems
 from contact_study.campaign.store.files import write_aside
 from contact_study.inputs.errors import InputError
-from contact_study.physics.spheres.numbers import maugis_parameter
 from contact_study.plots.style import DOUBLE, styled
 from scripts.harness import FIGURE, Option, minus, program, save, show
 
 DATA = Path("data/contact_atlas_tenth.nc")
 SMALL_GRID = 128  # points a side up to which a condition is refined
 LIGHTEST, HEAVIEST = 0.02, 1.2  # pressures of compared states, over half of modulus times rms slope
+LARGEST_ERROR = 0.5  # of the figure's colours
+AREA = "corrected_contact_area"  # that theories are compared with
+SHOWN_LOADS = 0.05, 0.4  # of grids, over half of modulus times rms slope
 SHOWN = 0.2  # pressure of the figure's area
-# Maugis' number at which the loop of one asperity opens under a given separation, by law.
-OPENS = {"lennard_jones_10_4": 0.96, "exponential": 1.14, "dugdale": 0.89}
-MARKERS = {"lennard_jones_10_4": "o", "exponential": "s", "dugdale": "^"}
+MARKERS = {"lennard_jones_10_4": ("10-4 law", "o"), "exponential": ("exponential", "s"), "dugdale": ("Dugdale", "^")}
 NAMES = {"persson": "Persson", "gap_flow": "gap flow", "edge_flow": "edge flow"}
-
-
-class Hysteresis(NamedTuple):
-    """Measured and predicted apparent work of adhesion on unloading over that on loading, of one deepest loop."""
-
-    condition: int
-    surface: int
-    law: str
-    solid: str
-    adhesion: float  # θ
-    ratio: float  # x = λ/λ₁
-    measured: float  # Γ_D = 1 + D/(Δγ ΔA)
-    uncertain: float
-    candidate: float
-    quadratic: float
 
 
 def run(given: argparse.Namespace) -> int:
@@ -68,7 +52,7 @@ def compute(given: argparse.Namespace) -> int:
             print(f"{len(conditions) - number + 1} conditions are left; run again to resume", file=sys.stderr)
             return 2
         factors = REFINEMENTS if one.number in refined else ()
-        run_condition(one, Path(given.folder), given.surfaces, factors, given.workers)
+        run_condition(one, Path(given.folder), given.surfaces, factors, given.workers, given.preloads)
         seconds = time.monotonic() - began
         words = f"{number} of {len(conditions)}: condition {one.number}, {one.points}², {seconds:.0f} s so far"
         print(words, file=sys.stderr, flush=True)
@@ -91,7 +75,7 @@ def write(given: argparse.Namespace) -> int:
 
 
 def check(given: argparse.Namespace) -> int:
-    found = problems(_read(given.file))
+    found = problems(read(given.file))
     for line in found:
         print(line)
     print(f"{given.file}: {len(found)} problems", file=sys.stderr)
@@ -104,7 +88,7 @@ def numbers(given: argparse.Namespace) -> None:
     for name, count in (("tenth", TENTH), ("whole", WHOLE)):
         conditions, refused = design(count)
         grids = np.percentile([one.points for one in conditions], (0, 50, 100))
-        laws = "/".join(str(sum(one.law == law for one in conditions)) for law in OPENS)
+        laws = "/".join(str(sum(one.law == law for one in conditions)) for law in MARKERS)
         layers = sum(one.solid == "layer" for one in conditions)
         ranges = (
             f"{np.median(values):.2g} ({min(values):.2g}…{max(values):.2g})"
@@ -121,19 +105,26 @@ def numbers(given: argparse.Namespace) -> None:
 
 def areas(given: argparse.Namespace) -> None:
     """Print the errors of the theories' contact area and mean gap against loading, by adhesion."""
-    data = _read(given.file)
+    data = read(given.file)
+    groups: dict[str, Callable[[xr.Dataset], bool]] = {
+        "all": lambda one: True,
+        "half-spaces, θ < 0.3": lambda one: solid_of(one) == "half_space" and one["relative_adhesion"] < 0.3,
+        "half-spaces, θ ≥ 0.3": lambda one: solid_of(one) == "half_space" and one["relative_adhesion"] >= 0.3,
+        "layers": lambda one: solid_of(one) == "layer",
+    }
     rows = []
     for theory in THEORIES:
-        for words, low, high in (("all", 0.0, np.inf), ("θ < 0.3", 0.0, 0.3), ("θ ≥ 0.3", 0.3, np.inf)):
-            rows += _errors(data, theory, words, (low, high))
+        for words, holds in groups.items():
+            rows += _errors([one for one in deepest(data) if holds(one)], theory, words)
     show(
         (
             "theory",
-            "adhesion",
             "conditions",
+            "number",
             "states",
             "area: mean",
             "mean size",
+            "95 % below",
             "worst",
             "ū/h_rms: mean size",
             "worst",
@@ -142,165 +133,72 @@ def areas(given: argparse.Namespace) -> None:
     )
 
 
-def _errors(data: xr.Dataset, theory: str, words: str, limits: tuple[float, float]) -> Iterator[tuple[object, ...]]:
+def solid_of(one: xr.Dataset) -> str:
+    return str(one["solid"].values)
+
+
+def _errors(loops: list[xr.Dataset], theory: str, words: str) -> Iterator[tuple[object, ...]]:
     area, gap, conditions = [], [], set()
-    for one in _deepest(data):
-        if not limits[0] <= float(one["relative_adhesion"]) < limits[1]:
-            continue
+    for one in loops:
         by = one.sel(theory=theory)
-        there = by["theory_relative_contact_area"].notnull() & _compared(one)
+        there = by["theory_relative_contact_area"].notnull() & (by["theory_converged"] == 1) & _compared(one)
         if not there.any():
             continue
         conditions.add(int(one["condition"]))
-        area += (by["theory_relative_contact_area"] / one["relative_contact_area"] - 1).values[there].tolist()
+        area += (by["theory_relative_contact_area"] / one[AREA] - 1).values[there].tolist()
         gap += ((by["theory_mean_gap"] - one["mean_gap"]) / one["rms_height"]).values[there].tolist()
     if area:
         sizes, gaps = np.abs(area), np.abs(gap)
-        cells = f"{100 * np.mean(area):+.0f} %", f"{100 * sizes.mean():.0f} %", f"{100 * sizes.max():.0f} %"
+        shown = (
+            f"{100 * np.mean(area):+.0f}",
+            *(f"{100 * size:.0f}" for size in (sizes.mean(), np.quantile(sizes, 0.95), sizes.max())),
+        )
         gap_cells = f"{np.nanmean(gaps):.3f}", f"{np.nanmax(gaps):.2f}"
-        yield NAMES[theory], words, len(conditions), len(area), *map(minus, cells), *gap_cells
+        yield NAMES[theory], words, len(conditions), len(area), *(minus(f"{cell} %") for cell in shown), *gap_cells
 
 
 def _compared(one: xr.Dataset) -> xr.DataArray:
     """Test which states are between the lightest and the heaviest pressure, and converged."""
-    pressure = one["mean_pressure"] / (0.5 * one["contact_modulus"] * one["rms_slope"])
+    pressure = one["mean_pressure"] / stress_of(one)
     return (pressure >= LIGHTEST) & (pressure <= HEAVIEST) & (one["converged"] == 1)
 
 
-def hysteresis(given: argparse.Namespace) -> None:
-    """Print the apparent work of adhesion of the deepest loops, and errors of two forms fitted to other loops."""
-    found = loops_of(_read(given.file))
-    groups: dict[str, Callable[[Hysteresis], bool]] = {
-        "all": lambda one: True,
-        "x < 1.14": lambda one: one.ratio < 1.14,
-        "x ≥ 1.14": lambda one: one.ratio >= 1.14,
-        "half-spaces, θ < 1": lambda one: one.solid == "half_space" and one.adhesion < 1,
-        "θ ≥ 1": lambda one: one.adhesion >= 1,
-    }
-    rows = []
-    for words, holds in groups.items():
-        chosen = [one for one in found if holds(one)]
-        if not chosen:
-            continue
-        measured, *others = np.array([(one.measured, one.candidate, one.quadratic, 1.0) for one in chosen]).T
-        errors = (np.abs(other - measured) for other in others)
-        cells = (f"{error.mean():.3f} ({error.max():.2f})" for error in errors)
-        rows.append((words, len(chosen), f"{measured.min():.2f}…{measured.max():.2f}", *cells))
-    show(("loops", "number", "Γ_D", "error of the cubic form: mean (worst)", "of the quadratic form", "of Γ = 1"), rows)
-    print()
-    shown = [one for one in found if max(one.measured, one.candidate, one.quadratic) > 1.02]
-    show(
-        ("condition", "law", "solid", "θ", "x", "Γ_D", "cubic", "quadratic"),
-        (
-            (
-                one.condition,
-                one.law,
-                one.solid,
-                f"{one.adhesion:.2f}",
-                f"{one.ratio:.2f}",
-                f"{one.measured:.3f} ± {one.uncertain:.3f}",
-                f"{one.candidate:.3f}",
-                f"{one.quadratic:.3f}",
-            )
-            for one in sorted(shown, key=lambda one: one.ratio)
-        ),
-    )
-
-
-def loops_of(data: xr.Dataset) -> list[Hysteresis]:
-    """Measure Γ_D = 1 + D/(Δγ ΔA) of the deepest loops, from the lightest pressure and back, and predict it.
-
-    Both forms, ln Γ = 0.073 c^0.7 (x³ − 1.14³)₊ and Γ − 1 = 0.089 (x² − 1.28²)₊, were fitted to other loops.
-    """
-    found = []
-    for one in _deepest(data):
-        law, modulus, work = str(one["law"].values), float(one["contact_modulus"]), float(one["work_of_adhesion"])
-        radius, slope = 1 / float(one["rms_curvature"]), float(one["rms_slope"])
-        pressure = one["mean_pressure"].values / (0.5 * modulus * slope)
-        there = np.flatnonzero(np.isfinite(pressure))
-        pressure, turn = pressure[there], int(np.argmax(pressure[there]))
-        ways = {
-            name: one[name].values[there]
-            for name in ("relative_contact_area", "dissipated_energy", "dissipated_energy_resolution_error")
-        }
-        start, end = _crossing(pressure[: turn + 1][::-1]), _crossing(pressure[turn:])
-        if start is None or end is None:
-            continue
-        begun = {name: _at(values[: turn + 1][::-1], start) for name, values in ways.items()}
-        back = {name: _at(values[turn:], end) for name, values in ways.items()}
-        change = work * (ways["relative_contact_area"][turn] - begun["relative_contact_area"])
-        lost = back["dissipated_energy"] - begun["dissipated_energy"]
-        unknown = back["dissipated_energy_resolution_error"] - begun["dissipated_energy_resolution_error"]
-        ratio = float(maugis_parameter(radius, modulus, work, float(one["peak_tensile_stress"]))) / OPENS[law]
-        contact = np.cbrt(9 * np.pi * work * radius**2 / (2 * modulus))  # JKR radius at zero load (m)
-        covered = 0.023 * (2 / (radius * slope)) ** 2 * np.pi * contact**2
-        found.append(
-            Hysteresis(
-                int(one["condition"]),
-                int(one["surface"]),
-                law,
-                str(one["solid"].values),
-                float(one["relative_adhesion"]),
-                ratio,
-                1 + lost / change,
-                unknown / change,
-                float(np.exp(0.073 * covered**0.7 * max(ratio**3 - 1.14**3, 0.0))),
-                1 + 0.089 * max(ratio**2 - 1.28**2, 0.0),
-            )
-        )
-    return found
-
-
-def _crossing(pressure: np.ndarray) -> float | None:
-    """Find the place, counted from the turning point, where a falling pressure passes the lightest one."""
-    below = np.flatnonzero(pressure < LIGHTEST)
-    if not below.size or not below[0]:
-        return None
-    after = int(below[0])
-    share = (pressure[after - 1] - LIGHTEST) / (pressure[after - 1] - pressure[after])
-    return float(after - 1 + share)
-
-
-def _at(values: np.ndarray, place: float) -> float:
-    return float(np.interp(place, np.arange(values.size), values))
-
-
 def grids(given: argparse.Namespace) -> None:
-    """Print differences between grids, and errors extrapolated from three of them, of the conditions that have them."""
-    data = _read(given.file)
+    """Print errors on half the points, the atlas' grid and twice the points against the extrapolation of the three."""
+    data = read(given.file)
     if "refined_mean_pressure" not in data:
         raise InputError(f"{given.file}: no condition was run on other grids")
     rows = []
-    for one in _deepest(data.isel(surface=[0])):
+    for one in deepest(data.isel(surface=[0])):
         if one["refined_pull_off_pressure"].isnull().any():
             continue
-        way = _compared(one) & one["refined_mean_pressure"].notnull().all("refinement") & (one["branch"] == 0)
-        coarse, fine = (one.sel(refinement=factor) for factor in REFINEMENTS)
-        for words, name, scale in (
-            ("area on loading", "relative_contact_area", None),
-            ("pressure on loading", "mean_pressure", None),
-            ("pull-off", "pull_off_pressure", None),
-            ("dissipated, over Δγ", "dissipated_energy", float(one["work_of_adhesion"])),
-        ):
-            three = [
-                np.asarray(values, float) for values in (coarse[f"refined_{name}"], one[name], fine[f"refined_{name}"])
-            ]
-            if name == "dissipated_energy":
-                three = [np.nanmax(values) for values in three]
-            elif np.ndim(three[0]):
-                three = [values[way] for values in three]
-            limit = extrapolated(*three)
-            over = np.abs(limit) if scale is None else scale
-            errors = [float(np.mean((values - limit) / over)) for values in three]
-            rows.append(
-                (
-                    int(one["condition"]),
-                    int(one["points"]),
-                    words,
-                    *(minus(f"{100 * error:+.2f} %") for error in errors),
-                )
-            )
-    show(("condition", "points a side", "", "half the points", "atlas", "twice the points"), rows)
+        three = [_summary(one, factor) for factor in (REFINEMENTS[0], None, REFINEMENTS[1])]
+        cells = []
+        for words, (_, unit) in three[0].items():
+            values = [np.asarray(each[words][0]) for each in three]
+            limit = extrapolated(*values)
+            shown = (f"{100 * (value - limit) / (unit or abs(limit)):+.1f}" for value in values)
+            cells.append(f"{minus('/'.join(shown))} %")
+        rows.append((int(one["condition"]), f"{int(one['points'])}²", *cells))
+    show(("condition", "grid", *three[0]), rows)
+
+
+def _summary(one: xr.Dataset, factor: float | None) -> dict[str, tuple[float, float | None]]:
+    """Return results of a loop on its own or another grid, and their units if errors are not relative."""
+    loop = one if factor is None else one.sel(refinement=factor)
+    prefix = "" if factor is None else "refined_"
+    found: dict[str, tuple[float, float | None]] = {}
+    way = one["branch"].values == 0
+    pressure = loop[f"{prefix}mean_pressure"].values[way] / stress_of(one)
+    rising = pressure > np.fmax.accumulate(np.append(0.0, pressure[:-1]))
+    for name, words in (("relative_contact_area", "area"), (AREA, "corrected area")):
+        values = loop[f"{prefix}{name}"].values[way][rising]
+        for at in SHOWN_LOADS:
+            there = float(np.exp(np.interp(np.log(at), np.log(pressure[rising]), np.log(values))))
+            found[f"{words} at {at:g}"] = there, None
+    found["pull-off"] = float(loop[f"{prefix}pull_off_pressure"]), None
+    found["loss over Δγ"] = float(loop[f"{prefix}dissipated_energy"].max()), float(one["work_of_adhesion"])
+    return found
 
 
 def extrapolated(coarse: np.ndarray, own: np.ndarray, fine: np.ndarray) -> np.ndarray:
@@ -312,7 +210,7 @@ def extrapolated(coarse: np.ndarray, own: np.ndarray, fine: np.ndarray) -> np.nd
 
 def cost(given: argparse.Namespace) -> None:
     """Print processor time by grid."""
-    data = _read(given.file)
+    data = read(given.file)
     points, seconds = data["points"].values, data["processor_time"].values
     rows = []
     for low, high in ((0, 100), (100, 200), (200, 300), (300, 513)):
@@ -331,68 +229,67 @@ def cost(given: argparse.Namespace) -> None:
 
 
 def maps(given: argparse.Namespace) -> None:
-    save(picture(_read(given.file)), given.figure or Path("docs/images/contact_atlas.png"))
+    save(picture(read(given.file)), given.figure or Path("docs/images/contact_atlas.png"))
 
 
 @styled
 def picture(data: xr.Dataset) -> Figure:
     """Draw area, hysteresis, pull-off and the theories' errors over relative adhesion and Tabor number."""
-    figure = Figure(figsize=(DOUBLE, 4.4), layout="constrained")
+    figure = Figure(figsize=(DOUBLE, 4.6), layout="constrained")
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
-    found = list(_deepest(data))
-    loss = {(one.condition, one.surface): one.measured - 1 for one in loops_of(data)}
+    found = list(deepest(data))
+    place = np.array([(float(one["relative_adhesion"]), float(one["tabor_number"])) for one in found])
+    laws = np.array([str(one["law"].values) for one in found])
     columns = {
         f"area at {SHOWN:g} E*h′/2": [_area(one) for one in found],
-        "Γ_D − 1": [loss.get((int(one["condition"]), int(one["surface"])), np.nan) for one in found],
-        "pull-off over E*h′/2": [
-            float(-one["pull_off_pressure"] / (0.5 * one["contact_modulus"] * one["rms_slope"])) for one in found
+        r"loss of the loop / $\Delta\gamma$": [
+            float((one.dissipated_energy / one.work_of_adhesion).max()) for one in found
         ],
+        "pull-off / (E*h′/2)": [float(-one.pull_off_pressure) / stress_of(one) for one in found],
         **{f"error of area: {NAMES[theory]}": [_mean_error(one, theory) for one in found] for theory in THEORIES},
     }
-    for axes, (words, values) in zip(panels.flat, columns.items(), strict=True):
-        signed = words.startswith("error")
-        largest = np.nanmax(np.abs(values), initial=0.0) or 1.0
-        for law, marker in MARKERS.items():
-            some = [number for number, one in enumerate(found) if str(one["law"].values) == law]
-            drawn = axes.scatter(
-                [float(found[number]["relative_adhesion"]) for number in some],
-                [float(found[number]["tabor_number"]) for number in some],
-                c=[values[number] for number in some],
-                marker=marker,
-                s=26,
-                edgecolors="#404040",
-                linewidths=0.4,
-                cmap="RdBu_r" if signed else "viridis",
-                vmin=-largest if signed else 0.0,
-                vmax=largest,
-                label=law.replace("_", " ").replace("10 4", "10-4"),
-                plotnonfinite=False,
-            )
+    for axes, (words, given) in zip(panels.flat, columns.items(), strict=True):
+        values, signed = np.array(given), words.startswith("error")
+        largest = LARGEST_ERROR if signed else np.nanmax(values)
+        colours = {"cmap": "RdBu_r" if signed else "viridis", "vmin": -largest if signed else 0.0, "vmax": largest}
+        for law, (label, marker) in MARKERS.items():
+            some = laws == law
+            edges = {"edgecolors": "#404040", "linewidths": 0.4, "s": 26, "marker": marker}
+            drawn = axes.scatter(*place[some].T, c=values[some], label=label, **edges, **colours)
         axes.set(xscale="log", yscale="log")
         axes.set_title(words, fontsize=8.5)
-        figure.colorbar(drawn, ax=axes)
+        figure.colorbar(drawn, ax=axes, extend="both" if signed else "neither")
     for axes in panels[-1]:
-        axes.set_xlabel("θ = Δγ/U_full")
+        axes.set_xlabel(r"$\theta = \Delta\gamma/U_\mathrm{full}$")
     for axes in panels[:, 0]:
-        axes.set_ylabel("Tabor number")
-    panels[0, 0].legend(fontsize=6)
+        axes.set_ylabel(r"Tabor number $\mu$")
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    legend = figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    for handle in legend.legend_handles:
+        handle.set_array(None)
+        handle.set_facecolor("white")
     return figure
+
+
+def stress_of(one: xr.Dataset) -> float:
+    """Return half of modulus times rms slope of a surface (Pa)."""
+    return float(0.5 * one["contact_modulus"] * one["rms_slope"])
 
 
 def _area(one: xr.Dataset) -> float:
     """Interpolate the contact area on loading at the figure's pressure."""
     way = (one["branch"] == 0).values & np.isfinite(one["mean_pressure"].values)
-    pressure = one["mean_pressure"].values[way] / float(0.5 * one["contact_modulus"] * one["rms_slope"])
-    return float(np.interp(SHOWN, np.maximum.accumulate(pressure), one["relative_contact_area"].values[way]))
+    pressure = one["mean_pressure"].values[way] / stress_of(one)
+    return float(np.interp(SHOWN, np.maximum.accumulate(pressure), one[AREA].values[way]))
 
 
 def _mean_error(one: xr.Dataset, theory: str) -> float:
-    values = one["theory_relative_contact_area"].sel(theory=theory) / one["relative_contact_area"] - 1
+    values = one["theory_relative_contact_area"].sel(theory=theory) / one[AREA] - 1
     values = values.where(_compared(one))
     return float(values.mean()) if values.notnull().any() else np.nan
 
 
-def _deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
+def deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
     """Yield the loop to the largest preload of each condition and surface."""
     for condition in range(data.sizes["condition"]):
         for surface in range(data.sizes["surface"]):
@@ -400,7 +297,14 @@ def _deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
 
 
 def _conditions(given: argparse.Namespace) -> list[Condition]:
-    return design(TENTH if given.tenth else WHOLE)[0]
+    """Return the conditions of the whole design, of its tenth, or those of some numbers."""
+    found = design(TENTH if given.tenth else WHOLE)[0]
+    if given.numbers is None:
+        return found
+    known = {one.number: one for one in found}
+    if lacking := [number for number in given.numbers if number not in known]:
+        raise InputError(f"--numbers {lacking[0]}: is no condition of the design; see the dataset's condition")
+    return [known[number] for number in given.numbers]
 
 
 def _refined(conditions: list[Condition], count: int) -> set[int]:
@@ -409,7 +313,7 @@ def _refined(conditions: list[Condition], count: int) -> set[int]:
     return {one.number for one in sorted(small, key=lambda one: -one.tabor_number)[:count]}
 
 
-def _read(path: Path) -> xr.Dataset:
+def read(path: Path) -> xr.Dataset:
     try:
         return xr.load_dataset(path)
     except (OSError, ValueError) as error:
@@ -422,7 +326,6 @@ ACTIONS = {
     "validate": check,
     "design": numbers,
     "areas": areas,
-    "hysteresis": hysteresis,
     "grids": grids,
     "cost": cost,
     "maps": maps,
@@ -433,6 +336,8 @@ main = program(
     Option("action", str, "step or table", choices=tuple(ACTIONS)),
     Option("file", DATA, "dataset to validate, or of the tables", type=Path),
     Option("--tenth", False, "first tenth of the design"),
+    Option("--numbers", int, "conditions by their numbers in the design", nargs="+"),
+    Option("--preloads", list(PRELOADS), "of the loops, over E* h'/2"),
     Option("--folder", "build/atlas", "folder of the runs"),
     Option("--surfaces", SURFACES, "surfaces of each condition"),
     Option("--workers", 1, "processes for loops of a condition"),

@@ -1,15 +1,24 @@
 """One dataset of all conditions of the atlas: states, loops, theories and criteria, with a checksum of its content."""
 
 import hashlib
+import itertools
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from contact_study.atlas.design import STRESS, Condition
-from contact_study.atlas.loops import PRELOADS, REFINEMENTS, file_of, loading_states, own_states, seeds_of
+from contact_study.atlas.design import SIZE, STRESS, Condition
+from contact_study.atlas.loops import (
+    CORES,
+    REFINEMENTS,
+    file_of,
+    loading_states,
+    own_states,
+    seeds_of,
+    theory_files,
+)
 from contact_study.inputs.errors import InputError
 from contact_study.results.schema import CONVENTIONS, variable_of
 from contact_study.version import __version__
@@ -20,6 +29,8 @@ STATES = (
     "mean_separation",
     "relative_contact_area",
     "relative_repulsive_area",
+    "corrected_contact_area",
+    "corrected_repulsive_area",
     "elastic_energy",
     "interaction_energy",
     "dissipated_energy",
@@ -62,7 +73,15 @@ CRITERIA = (
 )
 THEORIES = ("persson", "gap_flow", "edge_flow")
 _OF_THEORIES = ("relative_contact_area", "mean_gap", "converged", "pull_off_pressure")
-_OF_GRIDS = ("mean_pressure", "relative_contact_area", "mean_gap", "dissipated_energy", "pull_off_pressure")
+_EXTRAPOLATED = ("relative_contact_area", "mean_gap")  # to a law without a core
+_OF_GRIDS = (
+    "mean_pressure",
+    "relative_contact_area",
+    "corrected_contact_area",
+    "mean_gap",
+    "dissipated_energy",
+    "pull_off_pressure",
+)
 # Distributions and the name, in the dataset, of what is distributed.
 _DISTRIBUTED = {"gap_pdf": "gap", "pressure_pdf": "pressure"}
 _DESIGNED = {
@@ -138,8 +157,8 @@ def checksum(dataset: xr.Dataset) -> str:
 
 
 def _files(condition: Condition, folder: Path, surfaces: int) -> list[Path]:
-    theories = [file_of(folder, condition, f"theory{seed}") for seed in seeds_of(condition, surfaces)]
-    return [file_of(folder, condition), *theories]
+    theories = [theory_files(condition, folder, seed).values() for seed in seeds_of(condition, surfaces)]
+    return [file_of(folder, condition), *itertools.chain(*theories)]
 
 
 def _condition(condition: Condition, folder: Path, surfaces: int) -> xr.Dataset:
@@ -147,8 +166,9 @@ def _condition(condition: Condition, folder: Path, surfaces: int) -> xr.Dataset:
         loops = opened.load()
     parts = []
     for seed in seeds_of(condition, surfaces):
-        ways = [_loop(loops.sel(seed=seed).isel(trigger_force=place)) for place in range(len(PRELOADS))]
-        one = xr.concat(ways, xr.Variable("preload", list(PRELOADS)), data_vars="all")
+        preloads = np.round(loops["trigger_force"].values / (STRESS * SIZE**2), 9)
+        ways = [_loop(loops.sel(seed=seed).isel(trigger_force=place)) for place in range(preloads.size)]
+        one = xr.concat(ways, xr.Variable("preload", preloads), data_vars="all")
         one = one.assign(
             {name: loops[name].sel(seed=seed) if "seed" in loops[name].dims else loops[name] for name in CONSTANTS}
         )
@@ -156,7 +176,7 @@ def _condition(condition: Condition, folder: Path, surfaces: int) -> xr.Dataset:
             if "trigger_force" in one[name].dims:
                 one[name] = one[name].isel(trigger_force=0)
         deepest = loops.sel(seed=seed).isel(trigger_force=-1)
-        parts.append(one.merge(_theories(file_of(folder, condition, f"theory{seed}"), deepest)))
+        parts.append(one.merge(_theories(theory_files(condition, folder, seed), deepest)))
     found = xr.concat(parts, xr.Variable("surface", range(1, surfaces + 1)))
     found = found.drop_vars([name for name in ("seed", "trigger_force") if name in found.variables])
     found["preload"].attrs = {"units": "1", "long_name": "largest pressure over half of modulus times rms slope"}
@@ -200,28 +220,27 @@ def _moments(density: xr.DataArray, what: str) -> dict[str, xr.DataArray]:
     }
 
 
-def _theories(path: Path, loop: xr.Dataset) -> xr.Dataset:
-    """States of the theories at those on the way in of the deepest loop, and the criteria."""
-    with xr.open_dataset(path) as opened:
-        theory = opened.load()
+def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
+    """States of the theories at those on the way in of the deepest loop, and the criteria.
+
+    Area and gap by flows of a law with a wall are extrapolated linearly from two laws with a core to one without.
+    """
+    own, *cored = (xr.load_dataset(path) for path in files.values())
     places = np.flatnonzero(loading_states(loop))
     found: dict[str, xr.Variable] = {}
     for name in _OF_THEORIES:
         known = variable_of(name)
-        shape = (len(THEORIES), *((loop.sizes["step"],) if "step" in theory[name].dims else ()))
+        shape = (len(THEORIES), *((loop.sizes["step"],) if "step" in own[name].dims else ()))
         values = np.full(shape, np.nan)
         for number, label in enumerate(THEORIES):
-            if label not in theory["theory"].values:
-                continue
-            given = theory[name].sel(theory=label) if "theory" in theory[name].dims else theory[name]
-            if len(shape) == 2:
-                values[number, places] = given.values
-            else:
-                values[number] = given
+            given = [one[name].sel(theory=label).values for one in (own, *cored) if label in one["theory"].values]
+            at = given[-2:] if len(given) == len(CORES) else given[:1]
+            value = 2 * at[0] - at[-1] if name in _EXTRAPOLATED else np.minimum(at[0], at[-1])
+            values[(number, places) if len(shape) == 2 else number] = value
         dims = ("theory", "step")[: len(shape)]
         attributes = {"units": known.units, "long_name": f"by theory: {known.long_name}"}
         found[f"theory_{name}"] = xr.Variable(dims, values, attributes)
-    found |= {name: theory[name].variable for name in CRITERIA}
+    found |= {name: own[name].variable for name in CRITERIA}
     return xr.Dataset(found, {"theory": ("theory", list(THEORIES), {"units": "1", "long_name": "theory"})})
 
 

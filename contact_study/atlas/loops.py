@@ -19,6 +19,10 @@ from contact_study.campaign.library import run
 
 PRELOADS = (0.1, 0.4, 2.0)  # over the stress E* h'/2
 REFINEMENTS = (0.5, 2.0)  # of the grid, to extrapolate its error
+CORES = (
+    0.02,
+    0.04,
+)  # decay lengths over the range; linearly from both the flows reach the wall, within 2 % of the area
 # Approaches over the rms height: contact begins near zero and is full near four.
 _APPROACHES = (0.0, 0.5, *np.arange(1.0, 4.1, 0.25).tolist(), 6.0)
 _APART = 2.0, 3.0  # rms heights and lengths of the law between start and first touch
@@ -26,8 +30,10 @@ _STIFFNESS = 100.0  # of the machine, over E* L; that of the longest wave is π
 _RESOLUTION = 0.05  # least step over five lengths of the law
 
 
-def study_of(condition: Condition, seeds: Sequence[int], refinement: float = 1.0) -> dict[str, Any]:
-    """Make the study of a condition's loops, on its grid or on another; a refined one has the largest preload only.
+def study_of(
+    condition: Condition, seeds: Sequence[int], refinement: float = 1.0, preloads: Sequence[float] = PRELOADS
+) -> dict[str, Any]:
+    """Make the study of a condition's loops, on its grid or on another.
 
     Parameters
     ----------
@@ -37,6 +43,8 @@ def study_of(condition: Condition, seeds: Sequence[int], refinement: float = 1.0
         Surfaces.
     refinement : float, optional
         Points a side over those of the condition.
+    preloads : sequence of float, optional
+        Rising, over the stress E* h'/2.
 
     Returns
     -------
@@ -46,7 +54,6 @@ def study_of(condition: Condition, seeds: Sequence[int], refinement: float = 1.0
     points = round(condition.points * refinement / 2) * 2
     height = condition.spectrum.rms_height
     start = -(_APART[0] * height + _APART[1] * condition.length)
-    preloads = PRELOADS if refinement == 1 else PRELOADS[-1:]
     forces = [preload * STRESS * SIZE**2 for preload in preloads]
     solid: dict[str, Any] = {"kind": condition.solid}
     if condition.solid == "layer":
@@ -72,12 +79,27 @@ def study_of(condition: Condition, seeds: Sequence[int], refinement: float = 1.0
     }
 
 
-def theory_study_of(condition: Condition, seed: int, pressures: Sequence[float]) -> dict[str, Any]:
-    """Make the study of every theory, fed with the spectrum of one surface, at rising pressures (Pa)."""
+def theory_study_of(condition: Condition, seed: int, pressures: Sequence[float], core: float = 0.0) -> dict[str, Any]:
+    """Make the study of every theory, fed with the spectrum of one surface, at rising pressures (Pa).
+
+    The flows go through no wall. A ``core``, over the law's range, replaces a wall by a repulsion of that decay length;
+    at gaps within two of them points count as contact.
+    """
     study = study_of(condition, [seed])
     del study["sweep"], study["output"]
     study["surface"]["seed"] = seed
+    if core:
+        given = study["interaction"]
+        length = given["length"]
+        contact = {"range": length, "core": core * length, "contact_distance": (1 + 2 * core) * length}
+        study["interaction"] = {**given, "law": f"{given['law']}_core", **contact}
     return {**study, "loading": {"path": list(pressures)}, "theory": {"spectrum": "surface"}}
+
+
+def theory_files(condition: Condition, folder: Path, seed: int) -> dict[float, Path]:
+    """Return the files of a surface's theories by the core of the law, 0 for its own."""
+    cores = (0.0, *CORES) if condition.traction_law.has_wall else (0.0,)
+    return {core: file_of(folder, condition, f"theory{seed}{f'core{core:g}' * bool(core)}") for core in cores}
 
 
 def _surface(condition: Condition, points: int) -> dict[str, Any]:
@@ -114,7 +136,12 @@ def file_of(folder: Path, condition: Condition, kind: str = "loops") -> Path:
 
 
 def run_condition(
-    condition: Condition, folder: Path, surfaces: int = 1, refinements: Sequence[float] = (), workers: int = 1
+    condition: Condition,
+    folder: Path,
+    surfaces: int = 1,
+    refinements: Sequence[float] = (),
+    workers: int = 1,
+    preloads: Sequence[float] = PRELOADS,
 ) -> None:
     """Run what a folder lacks of a condition: its loops, those on other grids, and its theories.
 
@@ -127,31 +154,33 @@ def run_condition(
     surfaces : int, optional
         Number of surfaces.
     refinements : sequence of float, optional
-        Further grids of the first surface, see :func:`study_of`.
+        Further grids of the first surface, for the loop to the largest preload.
     workers : int, optional
         Number of processes.
+    preloads : sequence of float, optional
+        As for :func:`study_of`.
     """
     folder.mkdir(parents=True, exist_ok=True)
     seeds = seeds_of(condition, surfaces)
-    loops = _run(study_of(condition, seeds), "continuum", file_of(folder, condition), workers)
+    loops = _run(study_of(condition, seeds, preloads=preloads), "continuum", file_of(folder, condition), workers)
     for factor in refinements:
-        study = study_of(condition, seeds[:1], factor)
+        study = study_of(condition, seeds[:1], factor, preloads[-1:])
         _run(study, "continuum", file_of(folder, condition, f"grid{factor:g}"), workers)
     for seed in seeds:
         pressures = loading_pressures(loops.sel(seed=seed).isel(trigger_force=-1))
-        study = theory_study_of(condition, seed, pressures.tolist())
-        _run(study, "theory", file_of(folder, condition, f"theory{seed}"), 1)
+        for core, path in theory_files(condition, folder, seed).items():
+            _run(theory_study_of(condition, seed, pressures.tolist(), core), "theory", path, 1)
 
 
 def _run(study: dict[str, Any], model: str, output: Path, workers: int) -> xr.Dataset:
-    """Run a study, or read what is there; its processor time goes beside it."""
-    began = _processor_time()
+    """Run a study, or read what is there; the processor time of its runs goes beside it."""
+    finished, began = output.exists(), _processor_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of states that did not converge: the dataset has flags
         found = run(study, model, output=output, resume=True, workers=workers)
     beside = output.with_suffix(".json")
     before = json.loads(beside.read_text())["processor_time"] if beside.exists() else 0.0
-    used = _processor_time() - began
+    used = 0.0 if finished else _processor_time() - began
     beside.write_text(json.dumps({"processor_time": before + used}))
     return found
 
