@@ -141,7 +141,28 @@ def with_drawn_spectra(table: Mapping[str, Any], directory: Path) -> dict[str, A
         section = table.get(name, {})
         if section.get("kind") == "spectrum" and isinstance(section.get(_KEY), str):
             changed[name] = _with_numbers(section, name, directory)
+            ratio = _bound_ratio(directory / section[_KEY], changed[name]["wavevectors"])
+            changed[name] |= {"bound_ratio": ratio} if ratio else {}
     return changed
+
+
+def _bound_ratio(path: Path, wavevectors: Sequence[float]) -> list[float]:
+    """Upper over lower bound of C at each q (1/m) in a dataset of this project; nothing of other files.
+
+    In a gap between measurements it is a power law, as C is.
+    """
+    import xarray as xr  # slow to import
+
+    if path.suffix.lower() != ".nc":
+        return []
+    with xr.open_dataset(path, decode_timedelta=False) as dataset:
+        names = [f"{_OWN}_{end}" for end in ("upper", "lower")]
+        if not all(name in dataset for name in names):
+            return []
+        ratio = np.log(dataset[names[0]].values / dataset[names[1]].values)
+        known, q = np.isfinite(ratio), dataset["wavevector"].values
+    found: list[float] = np.exp(np.interp(np.log(wavevectors), np.log(q[known]), ratio[known])).tolist()
+    return found
 
 
 def _with_numbers(section: Mapping[str, Any], name: str, directory: Path) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.special import erf
 
 import contact_study
@@ -96,9 +97,29 @@ def test_runs_and_theories_take_it_and_a_changed_map_is_refused_on_resume(tmp_pa
         contact_study.run(study, output="bem.nc", resume=True)
 
 
+def test_the_spectrum_of_several_measurements_moves_between_its_bounds(tmp_path):
+    wide = np.array([1.5, np.nan, 6.0])  # of ln C no bounds in a gap
+    bounds = {"power_spectrum_lower": ("wavevector", C / wide), "power_spectrum_upper": ("wavevector", C * wide)}
+    measured = xr.Dataset({"power_spectrum": ("wavevector", C, {"units": "m4"}), **bounds})
+    measured.assign_coords(wavevector=("wavevector", Q, {"units": "m-1"})).to_netcdf(tmp_path / "psd.nc")
+    keys = {"kind": "spectrum", "spectrum_path": "psd.nc", **CELL}
+    normal = {"draws": 64, "surface.spectrum_bound": {"distribution": "normal", "mean": 0, "error": 0.5}}
+    study = make_study({**STUDY, "surface": keys, "uncertainty": normal}, tmp_path)
+    between = np.log(3e6 / 1e5) / np.log(1e9 / 1e5)
+    logarithm = np.log([1.5, 1.5 ** (1 - between) * 6**between, 6.0])
+    shifts = np.array([np.log(case.surface.table.density / C) / logarithm for case in study.cases])
+    np.testing.assert_allclose(shifts, shifts[:, :1] * np.ones(3), atol=1e-9)
+    np.testing.assert_allclose(shifts[0], 0, atol=1e-12)
+    # The deviation of 64 Sobol points: two standard errors of a mean are one bound away.
+    assert shifts[1:, 0].std() == pytest.approx(0.5, rel=0.05)
+    lower = make_study({**STUDY, "surface": {**keys, "spectrum_bound": -1}}, tmp_path)
+    np.testing.assert_allclose(lower.cases[0].surface.table.density[[0, 2]], (C / wide)[[0, 2]], rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
+        ({**CELL, "spectrum_bound": 1}, r"surface\.spectrum_bound = 1: needs bounds of C\(q\) at each q"),
         ({"seed": 3}, r"missing key surface\.size: kind = \"spectrum\" needs it, or a map"),
         ({**CELL, "detrend": "tilt"}, r"surface\.detrend: belongs to a measured map, surface\.path"),
         (

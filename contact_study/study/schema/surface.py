@@ -221,6 +221,12 @@ class DrawnSurface(MapFile):
     density: tuple[float, ...] | None = key(
         keys.sequence(quantity("m^4", positive=True)), "C(q) at each, a power law between two, zero outside", None
     )
+    bound_ratio: tuple[float, ...] | None = key(
+        keys.sequence(FACTOR), "upper over lower bound of C(q) at each q, from the file", None
+    )
+    spectrum_bound: float = key(
+        quantity("1", minimum=-5.0, maximum=5.0), "C(q) between its bounds: -1 the lower, 0 the mean, 1 the upper", 0.0
+    )
     seed: int = key(integer(0), "random realisation", 1)
     shortest_wave: float | None = key(METRES, "shortest wavelength that is drawn; default two grid spacings", None)
 
@@ -230,6 +236,11 @@ class DrawnSurface(MapFile):
             raise InputError("surface.spectrum_path: one table a study; it cannot be swept or overridden")
         if self.wavevectors is None or self.density is None:
             raise InputError('missing key surface.spectrum_path: kind = "spectrum" needs the file of a spectrum')
+        if self.spectrum_bound and len(self.bound_ratio or ()) != len(self.wavevectors):
+            raise InputError(
+                f"surface.spectrum_bound = {self.spectrum_bound:g}: needs bounds of C(q) at each q; name a dataset of "
+                "bem-adhesion spectrum in surface.spectrum_path"
+            )
         try:
             _ = self.table
         except ValueError as error:
@@ -245,7 +256,10 @@ class DrawnSurface(MapFile):
 
     @cached_property
     def table(self) -> TabulatedSpectrum:
-        return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
+        density = np.array(self.density)
+        if self.spectrum_bound:  # bounds are alike above and below in ln C
+            density = density * np.array(self.bound_ratio) ** (0.5 * self.spectrum_bound)
+        return TabulatedSpectrum(np.array(self.wavevectors), density)
 
     @property
     def map_path(self) -> str | None:  # type: ignore[override]
