@@ -57,8 +57,10 @@ def run(given: argparse.Namespace) -> None:
         cells = (f"{error.mean():.3f} ({error.max():.2f})" for error in errors)
         rows.append((words, len(chosen), f"{measured.min():.2f}…{measured.max():.2f}", *cells))
     show(("loops", "number", "Γ_D", "error of the cubic form: mean (worst)", "of the quadratic form", "of Γ = 1"), rows)
-    print()
     shown = [one for one in found if max(one.measured, one.candidate, one.quadratic) > 1.02]
+    if not shown:
+        return
+    print()
     show(
         ("condition", "law", "solid", "θ", "x", "Γ_D", "cubic", "quadratic"),
         (
