@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from bem_adhesion.contacts.rough_contact import Contact, contact_between
 from bem_adhesion.operators import Progress
 from bem_adhesion.solution import Solution
 from contact_study.numerics import life
@@ -16,11 +17,21 @@ from contact_study.study.case import Case
 _TRACED = 128**2  # points of a grid from which on iterations are reported; on smaller ones that costs some per cent
 
 
-def solver_options(case: Case, points: int) -> dict[str, Any]:
-    """Return the options of a contact of so many points that a case gives its solver."""
+def contact_of(case: Case, surface: Surface) -> Contact:
+    """Return the contact of a case, of which every step is an equilibrium."""
+    options = solver_options(case, surface.grid)
+    if compliance := case.machine_compliance:
+        options["machine_compliance"] = compliance
+    kind = case.solid, case.law, case.elasticity.boundary, case.material.hardness
+    return contact_between(surface.sampled, surface.grid, *kind, **options)
+
+
+def solver_options(case: Case, grid: Grid) -> dict[str, Any]:
+    """Return the options of a contact on a grid that a case gives its solver, with its local work of adhesion."""
     given = case.solver
     limits = {"tolerance": given.tolerance, "max_iterations": given.max_iterations, "threads": max(1, given.threads)}
-    return {"control": case.loading.control, "trace": _beat if points >= _TRACED else None, **limits}
+    about = {"control": case.loading.control, "trace": _beat if grid.points >= _TRACED else None}
+    return {**about, **limits, "work_of_adhesion": adhesion_of(case, grid)}
 
 
 def _beat(progress: Progress) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.operators import Load
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
-from bem_adhesion.study.interface import adhesion_of, interface_state, solver_options
+from bem_adhesion.study.interface import interface_state, solver_options
 from contact_study.numerics.balance import excess
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
@@ -39,9 +39,8 @@ class OverdampedContact(AdhesiveContact):
     """The contact of a case in overdamped motion: states are gaps (m), drag is a stiffness (Pa/m), loads are in Pa."""
 
     def __init__(self, case: Case, surface: Surface, allowed: float):
-        options = solver_options(case, surface.grid.points)
         kind = surface.sampled, surface.grid, case.solid, case.law
-        super().__init__(*kind, **options, work_of_adhesion=adhesion_of(case, surface.grid))
+        super().__init__(*kind, **solver_options(case, surface.grid))
         self._case, self._surface = case, surface
         self._allowed = allowed / self._length
         self._pairs = self._work.pairs  # at the last count of the work

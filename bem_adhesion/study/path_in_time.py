@@ -15,7 +15,7 @@ import numpy as np
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import NOISE, EnergyLedger, follow, ledger_of, losses_of, passed_states
-from bem_adhesion.study.interface import adhesion_of, approach_of, interface_state, solver_options
+from bem_adhesion.study.interface import approach_of, interface_state, solver_options
 from bem_adhesion.study.ramps import Ramp, ramp_to, step_until_trigger
 from bem_adhesion.study.trigger import NO_TRIGGER, Trigger, warn_of_trigger
 from contact_study.physics.process_zone import TOO_COARSE
@@ -105,7 +105,7 @@ def path_in_time(
     shortest = min(solid.relaxation_times)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study warns for all cases
-        options = solver_options(case, surface.grid.points) | {"work_of_adhesion": adhesion_of(case, surface.grid)}
+        options = solver_options(case, surface.grid)
         spring = loading.machine_stiffness
         contact = ViscoelasticContact(surface.sampled, surface.grid.size, solid, case.law, spring, **options)
     origin = 0.0 if loading.control == "pressure" else contact.first_gap - distance

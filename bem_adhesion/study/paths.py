@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from bem_adhesion.adhesive.contact import reach
-from bem_adhesion.contacts.rough_contact import contact_between
 from bem_adhesion.study.adaptive import NOISE, EnergyLedger, adaptive_step, ledger_of, losses_of, passed_states
-from bem_adhesion.study.interface import adhesion_of, approach_of, interface_state, solver_options
+from bem_adhesion.study.interface import approach_of, contact_of, interface_state
 from bem_adhesion.study.trigger import Trigger, step_to_trigger, warn_of_trigger
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
@@ -23,11 +22,7 @@ def path_of_equilibria(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
 ) -> Iterator[InterfaceState]:
     """Yield the equilibrium at each point of a case's path; parameters as for :func:`solve_path`."""
-    kind = case.solid, case.law, case.elasticity.boundary, case.material.hardness
-    options = solver_options(case, surface.grid.points) | {"work_of_adhesion": adhesion_of(case, surface.grid)}
-    if compliance := case.machine_compliance:
-        options["machine_compliance"] = compliance
-    contact = contact_between(surface.sampled, surface.grid, *kind, **options)
+    contact, compliance = contact_of(case, surface), case.machine_compliance
     state, ledger = contact.separated() if restart is None else restart["state"], None
     trigger, position = Trigger.of(case), min(0.0, case.law.equilibrium_distance - reach(case.law))  # out of reach
     if restart is not None:

@@ -5,14 +5,15 @@ An adjoint solve gives them by heights, modulus, work of adhesion and range; eac
 
 import copy
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from bem_adhesion.contacts.rough_contact import Contact, contact_between
+from bem_adhesion.contacts.rough_contact import Contact
 from bem_adhesion.gradients.gradient import Gradient, gradient
-from bem_adhesion.study.interface import adhesion_of, solver_options
+from bem_adhesion.study.interface import contact_of
 from contact_study.inputs.errors import InputError
 from contact_study.results.uncertainty import BY_KEY
 from contact_study.study.case import Case, realise
@@ -72,9 +73,9 @@ def sensitivity(study: Study) -> xr.Dataset:
         area = np.mean(central.law.in_contact(solution.gap, solution.pressure, central.contact_distance))
         for name, of in _NUMBERS.items():
             by = gradient(contact, solution, of)
-            value = float(area) if name == "relative_contact_area" else by.value
+            value = float(area) if of == "contact_area" else by.value
             # The area is smoothed for its derivative: that of its logarithm is taken.
-            factor = value / by.value if name == "relative_contact_area" and by.value else 1.0
+            factor = value / by.value if by.value else 1.0
             values[name].append(value)
             by_key[name].append([factor * _along(by, change) for change in inputs.values()])
     load = {"pressure": "applied_pressure", "gap": "applied_gap"}.get(central.loading.control, "applied_approach")
@@ -103,13 +104,8 @@ def _check(case: Case) -> None:
 
 
 def _states(case: Case) -> Iterator[tuple[Contact, Any]]:
-    surface = realise(case)
-    options = solver_options(case, surface.grid.points) | {"work_of_adhesion": adhesion_of(case, surface.grid)}
-    options["tolerance"] = min(_TIGHT, options["tolerance"] or _TIGHT)
-    if compliance := case.machine_compliance:
-        options["machine_compliance"] = compliance
-    kind = case.solid, case.law, case.elasticity.boundary, None
-    contact = contact_between(surface.sampled, surface.grid, *kind, **options)
+    tight = replace(case.solver, tolerance=min(_TIGHT, case.solver.tolerance or _TIGHT))
+    contact = contact_of(replace(case, solver=tight), realise(case))
     state = contact.separated()
     for number, (value, _) in enumerate(case.path):
         solution = contact.step(state, value)
@@ -125,7 +121,8 @@ def _by_inputs(study: Study, median: dict[str, Any], key: str, central: Case) ->
     below, above = (_case(study, {**median, key: median[key] + way * step}) for way in (-1, 1))
     if not np.allclose(_shape(below), _shape(above), rtol=_SAME):
         raise InputError(f"uncertainty.{key}: changes the shape of the law or of K(q); use simulations as anchors")
-    heights = realise(above).sampled - realise(below).sampled
+    same = above.geometry == below.geometry
+    heights = np.zeros(()) if same else realise(above).sampled - realise(below).sampled
     one, other = below.law, above.law
     works = other.work_of_adhesion - one.work_of_adhesion if central.law.attracts else 0.0
     lengths = np.log(other.length / one.length) if central.law.attracts else 0.0
