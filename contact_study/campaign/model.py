@@ -87,6 +87,7 @@ _ALL = (
         threads=2,  # the edge flow beside Persson's theory and the gap flow
     ),
 )
+WORDS = {"continuum": "continuum", "atoms": "atomistic", "theory": "theory"}  # kinds by what users write for them
 MODELS: dict[str, Model] = {model.kind: model for model in _ALL}
 
 

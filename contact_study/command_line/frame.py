@@ -13,7 +13,6 @@ from typing import Any, NoReturn
 from contact_study.campaign.engines import CampaignError
 from contact_study.inputs.errors import DONE, INTERRUPTED, NOT_CONVERGED, WRONG_INPUT, InputError
 
-MODELS = {"continuum": "continuum", "atoms": "atomistic", "theory": "theory"}  # by the words of --model
 _KEY = re.compile(r"--(?P<key>[a-z_]+\.\w+)(?:=(?P<value>.*))?", re.DOTALL)
 _WIDTH = 100  # columns of a help, and of tables where there is no terminal
 

@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import panel as pn
-import xarray as xr
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from contact_study import plots
+from contact_study.campaign.model import WORDS
 from contact_study.explore import draft, runs
 from contact_study.inputs.errors import InputError
-from contact_study.plots.densities import draw_spectrum
+from contact_study.plots.densities import draw_roughness
+from contact_study.plots.maps import draw_heights
 from contact_study.plots.style import STYLE, pressure_unit
 from contact_study.study.examples import example, example_names
 from contact_study.study.schema.dotted_keys import SECTIONS
@@ -35,8 +35,6 @@ _MATERIALS = {
 }
 _MARKS = {"good": ("●", "#2a8a3e", "good"), "fair": ("▲", "#c27a00", "mind"), "bad": ("■", "#d0342c", "bad")}
 _PLAIN = ("○", "inherit", "")
-_MODEL_WORDS = {"continuum": "continuum", "atomistic": "atoms", "theory": "theory"}  # as --model has them
-_MOST = 1024  # points of a picture along a side
 _TREATED = ("detrend", "fill", "crop", "edges", "lowpass")  # keys that change a map that was read
 _PATIENCE = 0.5  # seconds without a change after which the theories are solved
 
@@ -56,8 +54,7 @@ class StudyPage(pn.viewable.Viewer):
         self.section = pn.widgets.Select(name="Section", options=list(SECTIONS), value="surface", **wide)
         self.keys = pn.Column(margin=0, **wide)
         self.title = pn.widgets.TextInput(name="Name of the study", value="study", width=150)
-        models = {words: kind for kind, words in _MODEL_WORDS.items()}
-        self.model = pn.widgets.Select(name="Model", options=models, width=110)
+        self.model = pn.widgets.Select(name="Model", options=WORDS, width=110)
         self.first = pn.widgets.Button(name="First look, coarse grid", align="end")
         self.go = pn.widgets.Button(name="Run", button_type="primary", align="end")
         self.lights, self.fault = pn.pane.HTML(**wide), pn.pane.HTML(styles={"color": "#d0342c"}, **wide)
@@ -190,12 +187,17 @@ class StudyPage(pn.viewable.Viewer):
     def _complain(self, error: Exception) -> None:
         self.fault.object = f'<div role="alert">{escape(str(error))}</div>'
 
+    @property
+    def _word(self) -> str:
+        """The model as the command names it."""
+        return next(word for word, kind in WORDS.items() if kind == self.model.value)
+
     def _show_code(self) -> None:
         name, model = self.title.value, self.model.value
         lines = [f'found = contact_study.run("{name}.toml", "{model}", output="{name}.{model}.nc")']
         lines += [f"# or as a table\nfound = contact_study.run({self.table!r}, {model!r})"]
         self.python.object = _code("\n".join(["import contact_study\n", *lines]))
-        words = f"bem-adhesion run {name}.toml -o {name}.{model}.nc --model {_MODEL_WORDS[model]}"
+        words = f"bem-adhesion run {name}.toml -o {name}.{model}.nc --model {self._word}"
         self.command.object = _code(f"bem-adhesion check {name}.toml\n{words}")
 
     async def _solve_theories(self) -> None:
@@ -218,7 +220,7 @@ class StudyPage(pn.viewable.Viewer):
             study = draft.keep_study(self.folder, f"{self.title.value}{'-coarse' if coarse else ''}", table)
             output = study.with_name(f"{study.stem}.{self.model.value}.nc")
             if not output.exists():
-                runs.start(study, output, _MODEL_WORDS[self.model.value])
+                runs.start(study, output, self._word)
             self._watch(output)
         except (InputError, OSError) as error:
             self._complain(error)
@@ -289,14 +291,9 @@ def _draw_surface(figure: Figure, study: Study) -> None:
     axes = figure.subplots(1, len(shown) + 1)
     for ax, (words, one) in zip(axes, shown.items(), strict=False):
         surface = one.geometry.realise(one.directory)
-        (y, x), every = surface.grid.coordinates, max(1, max(surface.grid.shape) // _MOST)
-        heights = xr.Dataset({"height": (("y", "x"), surface.heights(surface.grid.shape))}, coords={"y": y, "x": x})
-        plots.height_map(heights.isel(y=slice(None, None, every), x=slice(None, None, every)), ax)
+        draw_heights(surface, surface.grid, ax)
         ax.set_title(words)
-    if surface.roughness.sample.rms_height > 0:
-        draw_spectrum(surface.roughness.sample.spectrum, surface.roughness.sample.fit, axes[-1])
-    else:
-        axes[-1].set_axis_off()
+    draw_roughness(surface.roughness.sample, axes[-1])
 
 
 def _draw_curves(figure: Figure, curves: dict[str, Any]) -> None:

@@ -75,6 +75,14 @@ def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     return draw_spectrum(spectrum, fit, axes_of(axes))
 
 
+def draw_roughness(sample: statistics.Roughness, axes: Axes) -> None:
+    """Draw the spectrum of a surface with its self-affine law; a flat one has none."""
+    if sample.rms_height > 0:
+        draw_spectrum(sample.spectrum, sample.fit, axes)
+    else:
+        axes.set_axis_off()
+
+
 def draw_spectrum(spectrum: statistics.PowerSpectrum, fit: statistics.SelfAffineFit | None, axes: Axes) -> Axes:
     """Draw a spectrum that has some power, and the self-affine law of it."""
     shown = spectrum.density > _ROUNDING * spectrum.density.max()

@@ -11,6 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 
+from contact_study.numerics.grid import Grid
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.plots.selection import along_line, extent, highest_row, is_periodic, one_state, touching
 from contact_study.plots.style import COLOURS, DOUBLE, Unit, axes_of, largest, length_unit, picture, pressure_unit
 from contact_study.results.observables import cluster_map
@@ -18,6 +20,7 @@ from contact_study.results.observables import cluster_map
 _NONE, _OTHERS, _CONTACT = "#ffffff", "#9a9a9a", "#010101"
 _SUBSTRATE, _BLOCK = "#b0b0b0", "#d9e6f2"
 _WIDTH = 40  # lattice constants of a row of atoms that are shown
+_MOST = 1024  # points along a side of a surface that are drawn
 _DIAMETER = 0.9  # of a circle over the distance of neighbours
 _LATERAL = ("lateral_displacement_x", "lateral_displacement_y")
 ATOMS_NEED = ("normal_stress", "atom_height", *_LATERAL, "substrate_height", "site_x", "site_y")
@@ -89,6 +92,13 @@ def height_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     surface = one_state(dataset, "height")
     height = surface["height"].values
     return _map(surface, height, axes, height_colouring(height))
+
+
+def draw_heights(surface: Surface, grid: Grid, axes: Axes) -> None:
+    """Draw the heights of a surface on a grid, some of the points of a large one."""
+    (y, x), every = grid.coordinates, max(1, max(grid.shape) // _MOST)
+    heights = xr.Dataset({"height": (("y", "x"), surface.heights(grid.shape))}, coords={"y": y, "x": x})
+    height_map(heights.isel(y=slice(None, None, every), x=slice(None, None, every)), axes)
 
 
 @picture(_STATE)

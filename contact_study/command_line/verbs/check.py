@@ -4,7 +4,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from contact_study.command_line.frame import MODELS, epilog, print_table, say
+from contact_study.campaign.model import WORDS
+from contact_study.command_line.frame import epilog, print_table, say
 from contact_study.inputs.errors import DONE, WRONG_INPUT, InputError
 
 KEYS = True
@@ -15,7 +16,7 @@ END = epilog("bem-adhesion check study.toml", "bem-adhesion check study.toml --m
 def add(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("study", type=Path, metavar="STUDY.toml", help="study file")
-    add("--model", choices=MODELS, metavar="NAME", help="continuum, atoms or theory; default: all that can run it")
+    add("--model", choices=WORDS, metavar="NAME", help="continuum, atoms or theory; default: all that can run it")
     add("--section.key", metavar="VALUE", help="any key of the study, as of `bem-adhesion run`")
 
 
@@ -27,9 +28,9 @@ def run(given: argparse.Namespace) -> int:
 
     study = read_study(given.study, given.keys)
     rows, notes = [], dict[str, list[str]]()
-    for name in [given.model] if given.model else MODELS:
+    for name in [given.model] if given.model else WORDS:
         try:
-            possible, memory, time, remark, found = expectation.judged(MODELS[name], study)
+            possible, memory, time, remark, found = expectation.judged(WORDS[name], study)
             row = name, possible, memory, time, remark
         except InputError as error:
             if given.model:

@@ -21,9 +21,6 @@ END = epilog(
     "bem-adhesion inspect study.toml --surface.seed 2 -o surface.pdf",
 )
 
-# Largest number of points of the picture along a side.
-_PICTURE = 1024
-
 
 def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help="height map, or study file (.toml)")
@@ -108,21 +105,13 @@ def _surface(path: Path, overrides: Mapping[str, Any]) -> "tuple[SurfaceSection,
 
 def _draw(figure: "Figure", surface: "Surface") -> None:
     """Draw the map, coarsened if it is large, and the spectrum."""
-    import xarray as xr
     from matplotlib import rc_context
 
-    from contact_study import plots
-    from contact_study.plots.densities import draw_spectrum
+    from contact_study.plots.densities import draw_roughness
+    from contact_study.plots.maps import draw_heights
     from contact_study.plots.style import STYLE
 
-    grid, sample = surface.roughness.grid, surface.roughness.sample
-    y, x = grid.coordinates
-    heights = xr.Dataset({"height": (("y", "x"), surface.heights(grid.shape))}, coords={"y": y, "x": x})
     with rc_context(STYLE):
         left, right = figure.subplots(1, 2)
-    every = max(1, max(grid.shape) // _PICTURE)
-    plots.height_map(heights.isel(y=slice(None, None, every), x=slice(None, None, every)), left)
-    if sample.rms_height > 0:
-        draw_spectrum(sample.spectrum, sample.fit, right)
-    else:
-        right.set_axis_off()
+    draw_heights(surface, surface.roughness.grid, left)
+    draw_roughness(surface.roughness.sample, right)

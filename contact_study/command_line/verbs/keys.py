@@ -4,7 +4,8 @@ import argparse
 import dataclasses
 from typing import Any
 
-from contact_study.command_line.frame import MODELS, epilog, print_table, say
+from contact_study.campaign.model import WORDS
+from contact_study.command_line.frame import epilog, print_table, say
 from contact_study.inputs.errors import DONE, InputError
 
 USAGE = "[SECTION] [--kind KIND]"
@@ -72,8 +73,8 @@ def _sections() -> dict[str, Any]:
 def _readers(section: str) -> str:
     from contact_study.campaign import model as models
 
-    readers = [words for words, kind in MODELS.items() if section not in models.MODELS[kind].ignores]
-    return "all models" if len(readers) == len(MODELS) else ", ".join(readers)
+    readers = [words for words, kind in WORDS.items() if section not in models.MODELS[kind].ignores]
+    return "all models" if len(readers) == len(WORDS) else ", ".join(readers)
 
 
 def _summary(declared: Any) -> str:

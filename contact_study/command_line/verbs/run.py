@@ -4,7 +4,8 @@ import argparse
 from pathlib import Path
 
 from contact_study.campaign.engines import ENGINES
-from contact_study.command_line.frame import MODELS, epilog, report_convergence
+from contact_study.campaign.model import WORDS
+from contact_study.command_line.frame import epilog, report_convergence
 from contact_study.inputs.errors import InputError
 
 KEYS = True
@@ -22,7 +23,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("study", type=Path, metavar="STUDY.toml", help="study file")
     add("-o", "--output", required=True, metavar="FILE", help="dataset to write, .nc or .zarr")
-    add("--model", choices=MODELS, default="continuum", metavar="NAME", help="continuum (default), atoms or theory")
+    add("--model", choices=WORDS, default="continuum", metavar="NAME", help="continuum (default), atoms or theory")
     add("--start-from", dest="predictor", type=Path, metavar="FILE", help="dataset whose gaps the atoms start from")
     add("--predictor", type=Path, help=argparse.SUPPRESS)  # its name in earlier versions
     add("--resume", action="store_true", help="continue or extend an earlier run")
@@ -40,7 +41,7 @@ def run(given: argparse.Namespace) -> int:
     from contact_study.campaign.store.files import check_inputs_kept, named_file
     from contact_study.study.study import read_study
 
-    output, model = named_file(given.output), given.other_model or models.MODELS[MODELS[given.model]]
+    output, model = named_file(given.output), given.other_model or models.MODELS[WORDS[given.model]]
     if given.predictor is not None and not model.takes_predictor:
         raise InputError(f"--start-from {given.predictor}: only atoms start from gaps; use --model atoms")
     if given.resume and given.overwrite:
