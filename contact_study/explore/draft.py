@@ -8,7 +8,7 @@ import json
 import re
 import tomllib
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,9 +23,10 @@ from contact_study.inputs.units import stress
 from contact_study.results.schema import SPECTRUM_MARK
 from contact_study.study.case import realise
 from contact_study.study.checks import describe_maps
-from contact_study.study.schema.dotted_keys import SECTIONS, read, replace_keys, split, typed
+from contact_study.study.schema.dotted_keys import SECTIONS, read, replace_keys, split, typed, written
 from contact_study.study.schema.keys import MISSING, Key, TaggedUnion, as_written, default_of, keys_of
 from contact_study.study.study import Study, make_study
+from contact_study.study.uncertainty import DRAW
 
 Table = dict[str, Any]
 LARGEST_UPLOAD = 256 * 2**20  # bytes
@@ -76,9 +77,7 @@ def keys_shown(table: Table, section: str) -> dict[str, tuple[Key, str, str]]:
     for name, key in keys_of(declared).items():
         if kind is not None and name not in keys_of(kind):
             continue
-        default = default_of(declared if kind is None else kind, name)
-        if isinstance(declared, TaggedUnion) and name == declared.tag:
-            default = default_of(declared, name)
+        default = default_of(declared if kind is None or name == getattr(declared, "tag", "") else kind, name)
         words = "" if default in (MISSING, None) else as_written(default)
         value = swept.get(f"{section}.{name}", content.get(name))
         found[name] = key, words, "" if value is None else _typed_back(value)
@@ -107,23 +106,13 @@ def with_key(table: Table, dotted: str, text: str) -> Table:
 
 def check_inside(table: Table, folder: Path) -> None:
     """InputError if a draft names a file outside the folder, or an object of a Python module."""
-    for dotted, value in _values(table):
+    for dotted, given in written(table):
         section, _, name = dotted.partition(".")
-        if name == "object" or (name in ("kind", "law") and isinstance(value, str) and ":" in value):
-            raise InputError(f"{dotted} = {value!r}: the page runs no Python code; use bem-adhesion run")
-        if section != "loading" and (name == "path" or name.endswith("_path")) and isinstance(value, str):
-            inside(folder, value)
-
-
-def _values(table: Table) -> Iterator[tuple[str, Any]]:
-    for section in SECTIONS.keys() & table.keys():
-        for name, value in table[section].items() if isinstance(table[section], dict) else ():
-            yield f"{section}.{name}", value
-    swept = table.get("sweep", {})
-    for part in (swept if isinstance(swept, dict) else {}, *table.get("override", [])):
-        for dotted, value in part.items():
-            for one in value if isinstance(value, list) else [value]:
-                yield dotted, one
+        for value in given if isinstance(given, list) else [given]:  # a sweep has several
+            if name == "object" or (name in ("kind", "law") and isinstance(value, str) and ":" in value):
+                raise InputError(f"{dotted} = {value!r}: the page runs no Python code; use bem-adhesion run")
+            if section != "loading" and (name == "path" or name.endswith("_path")) and isinstance(value, str):
+                inside(folder, value)
 
 
 def inside(folder: Path, name: str) -> Path:
@@ -224,8 +213,8 @@ def theory_curve(study: Study) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         return {}
     part = {name: value for name, value in study.table.items() if name not in ("sweep", "override", "uncertainty")}
     part = copy.deepcopy(part)
-    for dotted, values in study.table.get("sweep", {}).items():
-        part = with_key(part, dotted, str(values[0]))
+    swept = study.table.get("sweep", {}).items()
+    replace_keys(part, {dotted: values[0] for dotted, values in swept if dotted != DRAW})
     part["loading"] = {"path": [float(one) for one in highest * _CURVE]}
     (case,), curves = make_study(part, study.directory).cases, dict[str, list[float]]()
     code = MODELS["theory"].code

@@ -21,9 +21,10 @@ _TAIL = 2000  # characters of the messages
 
 @dataclass(frozen=True)
 class Run:
-    """A run as its files tell: output, arguments, whether its process lives, steps done and in all, last message."""
+    """A run as its files tell: output, process, arguments, whether it lives, steps done and in all, last message."""
 
     output: Path
+    process: int
     arguments: list[str]
     alive: bool
     done: int
@@ -66,9 +67,9 @@ def _begin(output: Path, arguments: list[str]) -> None:
 
 def stop(output: Path) -> None:
     """Interrupt a run as Ctrl-C does; its finished steps are kept."""
-    process = _process(output)
-    if process is not None and _alive(process, output):
-        os.kill(process, signal.SIGINT)
+    found = run_of(output)
+    if found is not None and found.alive:
+        os.kill(found.process, signal.SIGINT)
 
 
 def run_of(output: Path) -> Run | None:
@@ -81,7 +82,7 @@ def run_of(output: Path) -> Run | None:
         return None
     counts, lines = _COUNT.findall(text), text.strip().splitlines()
     done, total = map(int, counts[-1]) if counts else (0, 0)
-    return Run(output, arguments, _alive(process, output), done, total, lines[-1] if lines else "")
+    return Run(output, process, arguments, _alive(process, output), done, total, lines[-1] if lines else "")
 
 
 def runs_in(folder: Path) -> list[Run]:
@@ -89,13 +90,6 @@ def runs_in(folder: Path) -> list[Run]:
     records = sorted(folder.glob("*.run"), key=lambda path: path.stat().st_mtime, reverse=True)
     found = (run_of(path.with_suffix("")) for path in records)
     return [run for run in found if run is not None]
-
-
-def _process(output: Path) -> int | None:
-    try:
-        return int(json.loads(_record(output).read_text(encoding="utf-8"))["process"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
 
 
 def _alive(process: int, output: Path) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import panel as pn
-from bokeh.server.auth_provider import AuthProvider
+from bokeh.server.auth_provider import NullAuth
 from tornado.ioloop import IOLoop
 from tornado.web import RequestHandler
 
@@ -30,7 +30,7 @@ body {{ background: var(--design-background-color, #fff); color: var(--design-ba
 _TAB = ".bk-tab.bk-active { color: inherit; font-weight: bold; }"  # as dark as the page in Bokeh's own style
 
 
-class TokenAuth(AuthProvider):
+class TokenAuth(NullAuth):
     """Lets in who has the token, once in the address, then in a cookie of this port."""
 
     def __init__(self, token: str):
@@ -51,16 +51,8 @@ class TokenAuth(AuthProvider):
         return user
 
     @property
-    def get_user_async(self) -> None:
-        return None
-
-    @property
     def login_url(self) -> str:
         return "/login"
-
-    @property
-    def get_login_url(self) -> None:
-        return None
 
     @property
     def login_handler(self) -> type[RequestHandler]:
@@ -70,14 +62,6 @@ class TokenAuth(AuthProvider):
                 self.finish("This page needs the address that the command printed, with its token.")
 
         return Refused
-
-    @property
-    def logout_url(self) -> None:
-        return None
-
-    @property
-    def logout_handler(self) -> None:
-        return None
 
 
 class Page:

@@ -123,19 +123,26 @@ def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
             item.pop(dotted, None)
 
 
+def written(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield each dotted key of a study's table with its value; of a sweep and of exceptions too, a sweep's list whole.
+
+    The table need not be checked.
+    """
+    for section in SECTIONS:
+        if isinstance(table.get(section), dict):
+            yield from ((f"{section}.{name}", value) for name, value in table[section].items())
+    for part in (table.get("sweep", {}), *table.get("override", [])):
+        if isinstance(part, dict):
+            yield from ((dotted, value) for dotted, value in part.items() if dotted != "when")
+
+
 def bare_numbers(table: Mapping[str, Any], loading: LoadingSection) -> tuple[str, ...]:
     """A line on the keys of a checked study file whose numbers are taken in SI for want of a unit, if there are."""
-    given = [
-        (f"{section}.{name}", value)
-        for section in SECTIONS
-        for name, value in table.get(section, {}).items()
-        if name in keys_of(SECTIONS[section])  # not the distributions of [uncertainty]
-    ]
-    for part in (table.get("sweep", {}), *table.get("override", [])):
-        given += [(dotted, value) for dotted, value in part.items() if dotted != "when"]
     found = {}
-    for dotted, value in given:
-        section, name = split(dotted, "")
+    for dotted, value in written(table):
+        section, _, name = dotted.partition(".")
+        if name not in keys_of(SECTIONS[section]):  # a distribution of [uncertainty]
+            continue
         unit = loading.unit_of_key(name) if section == "loading" else None
         unit = unit or keys_of(SECTIONS[section])[name].unit
         number = _number(value)
