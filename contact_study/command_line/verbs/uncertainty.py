@@ -13,7 +13,7 @@ from contact_study.inputs.errors import DONE, InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-USAGE = "DRAWS.nc [--anchors SIMULATION.nc | --gradient] [-o OUT.nc] [--figure FILE]"
+USAGE = "DRAWS.nc [--anchors SIM.nc | --gradient] [-o OUT.nc] [--figure FILE]"
 END = epilog(
     "bem-adhesion run study.toml --model theory -o theory.nc",
     "bem-adhesion run study.toml -o bem.nc --uncertainty.draws 16",
