@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from contact_study.physics.spheres.jkr import jkr_contact_radius
 from contact_study.physics.spheres.numbers import maugis_parameter
 from scripts.contact_atlas import AREA, DATA, LIGHTEST, deepest, read, solid_of, stress_of
 from scripts.harness import Option, program, show
@@ -103,7 +104,7 @@ def loops_of(data: xr.Dataset) -> list[Hysteresis]:
         lost = back["dissipated_energy"] - begun["dissipated_energy"]
         unknown = back["dissipated_energy_resolution_error"] - begun["dissipated_energy_resolution_error"]
         ratio = float(maugis_parameter(radius, modulus, work, float(one["peak_tensile_stress"]))) / OPENS[law]
-        contact = np.cbrt(9 * np.pi * work * radius**2 / (2 * modulus))  # JKR radius at zero load (m)
+        contact = float(jkr_contact_radius(0.0, radius, modulus, work))
         covered = 0.023 * (2 / (radius * slope)) ** 2 * np.pi * contact**2
         found.append(
             Hysteresis(

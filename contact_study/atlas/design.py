@@ -4,12 +4,9 @@ Stresses over E* h'/2 and lengths over the cell are all that matters to a linear
 rms slope are the same for all conditions; roughness, adhesion, law and solid vary.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LAWS, TractionLaw
@@ -166,17 +163,3 @@ def design(count: int = WHOLE, seed: int = 1) -> tuple[list[Condition], dict[str
         if len(taken) == count:
             break
     return taken, refused
-
-
-def unit_cube(conditions: list[Condition]) -> np.ndarray:
-    """Place conditions in the cube of their numerical ranges, shape (conditions, 4)."""
-    rows = []
-    for name, values in RANGES.items():
-        if values.kind == "values":
-            continue
-        given = np.array([getattr(one, name) for one in conditions])
-        low, high = values.first, values.second
-        if values.kind == "loguniform":
-            given, low, high = np.log(given), math.log(low), math.log(high)
-        rows.append((given - low) / (high - low))
-    return np.transpose(rows)

@@ -2,12 +2,27 @@
 
 import math
 
+import numpy as np
 import pytest
 from scipy.stats import ks_2samp, qmc
 
-from contact_study.atlas.design import LARGEST_GRID, RANGES, RMS_SLOPE, SIZE, TENTH, Condition, design, drawn, unit_cube
+from contact_study.atlas.design import LARGEST_GRID, RANGES, RMS_SLOPE, SIZE, TENTH, Condition, design, drawn
 from contact_study.inputs.errors import InputError
 from contact_study.physics.process_zone import process_zone
+
+
+def unit_cube(conditions: list[Condition]) -> np.ndarray:
+    """Place conditions in the cube of their numerical ranges, shape (conditions, 4)."""
+    rows = []
+    for name, values in RANGES.items():
+        if values.kind == "values":
+            continue
+        given = np.array([getattr(one, name) for one in conditions])
+        low, high = values.first, values.second
+        if values.kind == "loguniform":
+            given, low, high = np.log(given), math.log(low), math.log(high)
+        rows.append((given - low) / (high - low))
+    return np.transpose(rows)
 
 
 def first(count):
