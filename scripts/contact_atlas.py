@@ -243,7 +243,7 @@ def picture(data: xr.Dataset) -> Figure:
     columns = {
         f"area at {SHOWN:g} E*h′/2": [_area(one) for one in found],
         r"loss of the loop / $\Delta\gamma$": [
-            float((one.dissipated_energy / one.work_of_adhesion).max()) for one in found
+            float((one.dissipated_energy + one.unaccounted_work).max() / one.work_of_adhesion) for one in found
         ],
         "pull-off / (E*h′/2)": [float(-one.pull_off_pressure) / stress_of(one) for one in found],
         **{f"error of area: {NAMES[theory]}": [_mean_error(one, theory) for one in found] for theory in THEORIES},

@@ -20,6 +20,7 @@ from contact_study.atlas.loops import (
     theory_files,
 )
 from contact_study.inputs.errors import InputError
+from contact_study.results.path_results import unaccounted
 from contact_study.results.schema import CONVENTIONS, variable_of
 from contact_study.version import __version__
 
@@ -200,7 +201,19 @@ def _loop(loop: xr.Dataset) -> xr.Dataset:
         found |= {
             key: value.where(there).assign_attrs(value.attrs) for key, value in _moments(loop[name], what).items()
         }
+    known = variable_of("unaccounted_work")
+    attributes = {"units": known.units, "long_name": known.long_name}
+    found["unaccounted_work"] = (_lost(loop) - loop["dissipated_energy"]).where(there).assign_attrs(attributes)
     return xr.Dataset({name: value.drop_vars(list(value.coords)) for name, value in found.items()})
+
+
+def _lost(loop: xr.Dataset) -> xr.DataArray:
+    """Work of the load minus energy up to each state (J/m²): adaptive steps enter small jumps into no ledger."""
+    states = np.stack([loop[f"passed_{name}"].values for name in ("pressure", "separation", "energy")], axis=-1)
+    there = np.isfinite(states).all(axis=-1)
+    passed, last = states[there], np.cumsum(there.sum(axis=-1)) - 1
+    lost, _ = unaccounted(passed[:-1], passed[1:])
+    return xr.DataArray(np.append(0.0, np.cumsum(lost))[last], dims="step")
 
 
 def _moments(density: xr.DataArray, what: str) -> dict[str, xr.DataArray]:
