@@ -267,7 +267,8 @@ def _grids(condition: Condition, folder: Path) -> xr.Dataset:
     for path in files:
         with xr.open_dataset(path) as opened:
             loops.append(_loop(opened.load().isel(seed=0, trigger_force=0)))
+    words = {"units": "1", "long_name": "points of the grid along a side over those of the condition"}
     for name in _OF_GRIDS:
-        one = xr.concat([loop[name] for loop in loops], xr.Variable("refinement", list(REFINEMENTS)))
+        one = xr.concat([loop[name] for loop in loops], xr.Variable("refinement", list(REFINEMENTS), words))
         found[f"refined_{name}"] = one.assign_attrs(long_name=f"on another grid: {loops[0][name].attrs['long_name']}")
     return xr.Dataset(found)

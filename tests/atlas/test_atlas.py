@@ -100,6 +100,13 @@ def test_an_empty_folder_is_an_error(tmp_path):
         collect([CONDITION], tmp_path)
 
 
+@pytest.mark.parametrize("path", [contact_atlas.DATA, contact_atlas.DATA.with_name("contact_atlas_hysteretic.nc")])
+def test_published_parts_are_sound_and_name_all_units(path):
+    with xr.open_dataset(path) as published:
+        assert problems(published) == []
+        assert all({"units", "long_name"} <= published[name].attrs.keys() for name in published.variables)
+
+
 def test_tables_of_a_dataset(dataset, tmp_path, capsys):
     path = tmp_path / "atlas.nc"
     dataset.to_netcdf(path)
