@@ -55,10 +55,10 @@ def test_blocks_are_the_smallest_that_are_fine_enough():
     assert {block.condition.number for block in chosen} >= set(WARM_CONDITIONS)
 
 
-@pytest.mark.filterwarnings("ignore:the 4 states of a point are too few")
+@pytest.mark.filterwarnings("ignore:the 10 states of a point are too few")
 def test_a_block_is_run_at_both_temperatures_and_joined(tmp_path, monkeypatch, capsys):
     block = Block(CONDITION, 0.5)
-    monkeypatch.setattr(atoms, "TRAJECTORIES", 4)
+    monkeypatch.setattr(atoms, "TRAJECTORIES", 10)
     monkeypatch.setattr(atoms, "EQUILIBRATION", 10)
     monkeypatch.setattr(atlas_atoms, "SLOPES", (0.5,))
     for module in (atoms, atlas_atoms):
