@@ -12,6 +12,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
 from contact_study.study.study import make_study, read_study
 from scripts import atlas_atoms
+from scripts.contact_atlas import read
 from scripts.harness import PAPER
 
 CONDITION = Condition(7, 0.8, 4.0, 0.3, 0.2, "lennard_jones_10_4", "half_space")
@@ -78,4 +79,12 @@ def test_a_block_is_run_at_both_temperatures_and_joined(tmp_path, monkeypatch, c
     capsys.readouterr()
     assert atlas_atoms.main(["table", str(output)]) == 0
     rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith(("| 0 K", "| 300 K", "| 7 "))]
-    assert len(rows) == 7 + 3 + 1
+    assert len(rows) == 4 + 2 + 1
+
+
+def test_the_published_blocks_have_no_problems():
+    published = read(atlas_atoms.ATOMS)
+    assert problems(published) == []
+    usual = published.isel(block=published["slope"] > 0.15)
+    assert usual["condition"].values.tolist() == [block.condition.number for block in blocks()]
+    assert usual["atoms"].values.tolist() == [block.atoms for block in blocks()]
