@@ -19,7 +19,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from contact_study.atlas.collection import THEORIES, collect
-from contact_study.atlas.design import SURFACES, TENTH, WHOLE, Condition, design
+from contact_study.atlas.design import JUMPING, LEAST_JUMP, SURFACES, TENTH, WHOLE, Condition, design
 from contact_study.atlas.loops import PRELOADS, REFINEMENTS, run_condition
 from contact_study.atlas.validation import problems
 from contact_study.campaign.store.files import write_aside
@@ -298,7 +298,10 @@ def deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
 
 def _conditions(given: argparse.Namespace) -> list[Condition]:
     """Return the conditions of the whole design, of its tenth, or those of some numbers."""
-    found = design(TENTH if given.tenth else WHOLE)[0]
+    if given.jumping:
+        found = design(JUMPING, least_jump=LEAST_JUMP)[0]
+    else:
+        found = design(TENTH if given.tenth else WHOLE)[0]
     if given.numbers is None:
         return found
     known = {one.number: one for one in found}
@@ -336,6 +339,7 @@ main = program(
     Option("action", str, "step or table", choices=tuple(ACTIONS)),
     Option("file", DATA, "dataset to validate, or of the tables", type=Path),
     Option("--tenth", False, "first tenth of the design"),
+    Option("--jumping", False, "further conditions whose mean asperity jumps"),
     Option("--numbers", int, "conditions by their numbers in the design", nargs="+"),
     Option("--preloads", list(PRELOADS), "of the loops, over E* h'/2"),
     Option("--folder", "build/atlas", "folder of the runs"),

@@ -13,11 +13,12 @@ from contact_study.physics.laws import LAWS, TractionLaw
 from contact_study.physics.process_zone import process_zone, resolving_shape
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer
-from contact_study.physics.spheres.numbers import tabor_parameter
+from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
 from contact_study.study.schema.modes import Modes, spectrum_of_modes
 from contact_study.study.uncertainty import Distribution, Uncertainty
 
 WHOLE, TENTH = 250, 25  # conditions
+JUMPING = 60  # further conditions whose mean asperity jumps
 SURFACES = 4  # of each condition of the whole design
 
 SIZE, MODULUS, POISSONS_RATIO, RMS_SLOPE = 1e-6, 1e9, 0.4, 0.1  # m, Pa, 1, 1
@@ -26,6 +27,7 @@ ROLL_OFF_MODE = 2.0
 THICKNESS = SIZE / (4 * ROLL_OFF_MODE)  # of a layer: a quarter of the wave of the roll-off (m)
 LARGEST_GRID = 512  # points a side
 LONGEST_RANGE = 1.0  # of adhesion, over the rms height
+LEAST_JUMP = 1.1  # of the jumping conditions: Maugis' number of the mean asperity over that from which one jumps
 
 RANGES = {
     "hurst_exponent": Distribution("uniform", 0.2, 1.0),
@@ -95,6 +97,13 @@ class Condition:
     def traction_law(self) -> TractionLaw:
         return LAWS[self.law](self.work_of_adhesion, self.length)
 
+    @property
+    def jump_ratio(self) -> float:
+        """Maugis' λ of the mean asperity over that from which one jumps."""
+        radius, law = 2 / self.spectrum.rms_laplacian, self.traction_law
+        number = maugis_parameter(radius, MODULUS, self.work_of_adhesion, law.peak_tensile_stress)
+        return float(number) / law.jump_onset
+
     @cached_property
     def points(self) -> int:
         """Points a side of the smallest grid with four in the process zone and in the shortest wave."""
@@ -122,7 +131,7 @@ def drawn(seed: int = 1) -> Iterator[Condition]:
         first, count = count + 1, 2 * count
 
 
-def design(count: int = WHOLE, seed: int = 1) -> tuple[list[Condition], dict[str, int]]:
+def design(count: int = WHOLE, seed: int = 1, least_jump: float = 0.0) -> tuple[list[Condition], dict[str, int]]:
     """Draw the first conditions that the atlas takes.
 
     Parameters
@@ -131,6 +140,8 @@ def design(count: int = WHOLE, seed: int = 1) -> tuple[list[Condition], dict[str
         Number of conditions. A shorter design is the beginning of a longer one, and stands for it.
     seed : int, optional
         Of the scrambled Sobol sequence.
+    least_jump : float, optional
+        Least :attr:`Condition.jump_ratio`; those below are passed over.
 
     Returns
     -------
@@ -158,6 +169,8 @@ def design(count: int = WHOLE, seed: int = 1) -> tuple[list[Condition], dict[str
     for condition in drawn(seed):
         if reason := condition.refusal:
             refused[reason] = refused.get(reason, 0) + 1
+            continue
+        if condition.jump_ratio < least_jump:
             continue
         taken.append(condition)
         if len(taken) == count:

@@ -50,6 +50,7 @@ class TractionLaw(ABC):
     counts_as_contact: ClassVar[str] = "a gap below the contact distance"  # see :meth:`in_contact`
     diverges: ClassVar[bool] = True  # repulsion grows without bound as the gap closes: no gap is zero or less
     own_lengths: ClassVar[tuple[str, ...]] = ()  # fields beside ``length`` that are lengths
+    jump_onset: ClassVar[float] = 0.96  # Maugis' λ from which one asperity jumps at a prescribed separation
     work_of_adhesion: float
     length: float
 

@@ -30,6 +30,7 @@ class Exponential(TractionLaw):
     """
 
     has_wall = True
+    jump_onset = 1.14
     title = "exponential"
     words = "Attraction (Δγ/ρ) exp(−u/ρ) outside a hard wall"
     counts_as_contact = "a gap of zero"
@@ -59,6 +60,7 @@ class Dugdale(TractionLaw):
     """
 
     has_wall = True
+    jump_onset = 0.89
     title = "Dugdale"
     words = "A constant tension out to a finite reach, outside a hard wall"
     counts_as_contact = "a gap of zero"
@@ -171,6 +173,7 @@ class ExponentialCore(CoredLaw):
 
     title = "exponential with a core"
     words = "Attraction that fades exponentially, with an exponential core"
+    jump_onset = Exponential.jump_onset
 
     def _past_peak(self, order: int) -> float:
         """Solve e^(−x/ρ)/ρⁿ = e^(−x/c)/cⁿ: the peak for n = 1, the strongest softening for n = 2."""
@@ -204,6 +207,7 @@ class DugdaleCore(CoredLaw):
 
     title = "Dugdale with a core"
     words = "A constant tension out to a finite reach, with an exponential core"
+    jump_onset = Dugdale.jump_onset
     ramp: float = RAMP
 
     @property
