@@ -22,6 +22,7 @@ from contact_study.physics.spheres import DMT, JKR, Hertz, MaugisDugdale, Sphere
 from contact_study.physics.spheres.numbers import maugis_of_tabor, tabor_of_maugis
 from contact_study.study.tables import read_spectrum
 from theory.criteria import StickinessCriteria, stickiness
+from theory.edge_flow.apparent_adhesion import apparent_adhesion
 from theory.edge_flow.flow import EdgeFlow, edge_flow
 from theory.gap_flow.flow import GapFlow, gap_flow
 from theory.gap_flow.state import GapState
@@ -58,6 +59,7 @@ __all__ = [
     "TabulatedSpectrum",
     "TractionLaw",
     "__version__",
+    "apparent_adhesion",
     "dmt_limit",
     "edge_flow",
     "energy_defect",

@@ -18,6 +18,7 @@ from contact_study.atlas.loops import (
     own_states,
     seeds_of,
     theory_files,
+    unloading_states,
 )
 from contact_study.inputs.errors import InputError
 from contact_study.results.path_results import unaccounted
@@ -69,12 +70,13 @@ CRITERIA = (
     "persson_tosatti_ratio",
     "pastewka_robbins_ratio",
     "dmt_tension_ratio",
+    "apparent_adhesion_ratio",
     "bearing_area_ratio",
     "bearing_area_pull_off",
 )
 THEORIES = ("persson", "gap_flow", "edge_flow")
-_OF_THEORIES = ("relative_contact_area", "mean_gap", "converged", "pull_off_pressure")
-_EXTRAPOLATED = ("relative_contact_area", "mean_gap")  # to a law without a core
+WAYS = ("loading", "unloading")
+_OF_THEORIES = ("relative_contact_area", "mean_gap", "converged", "pull_off_pressure", "work_of_separation")
 _OF_GRIDS = (
     "mean_pressure",
     "relative_contact_area",
@@ -234,27 +236,58 @@ def _moments(density: xr.DataArray, what: str) -> dict[str, xr.DataArray]:
 
 
 def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
-    """States of the theories at those on the way in of the deepest loop, and the criteria.
+    """States of the theories at those of the deepest loop, events, and the criteria.
 
-    Area and gap by flows of a law with a wall are extrapolated linearly from two laws with a core to one without.
+    On the way out the flows give their unloading branch. Area and gap by flows of a law with a wall are extrapolated
+    linearly from two laws with a core to one without.
     """
-    own, *cored = (xr.load_dataset(path) for path in files.values())
-    places = np.flatnonzero(loading_states(loop))
+    trees = [xr.load_datatree(path) for path in files.values()]
+    own = trees[0].to_dataset()
+    ways = loading_states(loop), unloading_states(loop)
+    steps = [np.flatnonzero(way) for way in ways]
     found: dict[str, xr.Variable] = {}
     for name in _OF_THEORIES:
-        known = variable_of(name)
-        shape = (len(THEORIES), *((loop.sizes["step"],) if "step" in own[name].dims else ()))
-        values = np.full(shape, np.nan)
+        known, by_step = variable_of(name), "step" in own[name].dims
+        values = np.full((len(THEORIES), loop.sizes["step"]) if by_step else (2, len(THEORIES)), np.nan)
         for number, label in enumerate(THEORIES):
-            given = [one[name].sel(theory=label).values for one in (own, *cored) if label in one["theory"].values]
-            at = given[-2:] if len(given) == len(CORES) else given[:1]
-            value = 2 * at[0] - at[-1] if name in _EXTRAPOLATED else np.minimum(at[0], at[-1])
-            values[(number, places) if len(shape) == 2 else number] = value
-        dims = ("theory", "step")[: len(shape)]
+            for back, places in enumerate(steps):
+                value = _extrapolated(trees, label, name, bool(back))
+                if value is None:
+                    continue
+                if by_step:
+                    values[number, places] = value[len(steps[0]) :] if back else value[: len(steps[0])]
+                else:
+                    values[back, number] = value
         attributes = {"units": known.units, "long_name": f"by theory: {known.long_name}"}
-        found[f"theory_{name}"] = xr.Variable(dims, values, attributes)
+        if by_step:
+            found[f"theory_{name}"] = xr.Variable(("theory", "step"), values, attributes)
+        else:
+            found[f"theory_{name}"] = xr.Variable(("way", "theory"), values, attributes)
     found |= {name: own[name].variable for name in CRITERIA}
-    return xr.Dataset(found, {"theory": ("theory", list(THEORIES), {"units": "1", "long_name": "theory"})})
+    named = {"units": "1", "long_name": "theory"}
+    ways_named = {"units": "1", "long_name": "branch of the theory"}
+    return xr.Dataset(
+        found, {"theory": ("theory", list(THEORIES), named), "way": ("way", list(WAYS), ways_named)}
+    )
+
+
+def _extrapolated(trees: Sequence[xr.DataTree], label: str, name: str, back: bool) -> np.ndarray | None:
+    """Return a theory's values at all its states, on the unloading branch if it has one; None if it has none."""
+    given = [value for tree in trees if (value := _of_theory(tree, label, name, back)) is not None]
+    at = given[-2:] if len(given) == len(CORES) else given[:1]
+    if not at:
+        return None
+    if name == "converged":
+        return np.minimum(at[0], at[-1])
+    return 2 * at[0] - at[-1]
+
+
+def _of_theory(tree: xr.DataTree, label: str, name: str, back: bool) -> np.ndarray | None:
+    branches = tree["metastable"].to_dataset() if back and "metastable" in tree.children else None
+    if branches is not None and name in branches and label in branches["theory"].values:
+        return branches[name].sel(theory=label, metastable_branch="unloading").values
+    root = tree.to_dataset()
+    return root[name].sel(theory=label).values if name in root and label in root["theory"].values else None
 
 
 def _grids(condition: Condition, folder: Path) -> xr.Dataset:

@@ -80,7 +80,7 @@ def study_of(
 
 
 def theory_study_of(condition: Condition, seed: int, pressures: Sequence[float], core: float = 0.0) -> dict[str, Any]:
-    """Make the study of every theory, fed with the spectrum of one surface, at rising pressures (Pa).
+    """Make the study of every theory, fed with the spectrum of one surface, at the pressures of a loop (Pa).
 
     The flows go through no wall. A ``core``, over the law's range, replaces a wall by a repulsion of that decay length;
     at gaps within two of them points count as contact.
@@ -167,7 +167,7 @@ def run_condition(
         study = study_of(condition, seeds[:1], factor, preloads[-1:])
         _run(study, "continuum", file_of(folder, condition, f"grid{factor:g}"), workers)
     for seed in seeds:
-        pressures = loading_pressures(loops.sel(seed=seed).isel(trigger_force=-1))
+        pressures = theory_pressures(loops.sel(seed=seed).isel(trigger_force=-1))
         for core, path in theory_files(condition, folder, seed).items():
             _run(theory_study_of(condition, seed, pressures.tolist(), core), "theory", path, 1)
 
@@ -193,9 +193,10 @@ def _processor_time() -> float:
     return time.process_time() + used.ru_utime + used.ru_stime
 
 
-def loading_pressures(loop: xr.Dataset) -> np.ndarray:
-    """Return the rising positive pressures (Pa) on the way in of one loop, at each of which theories are evaluated."""
-    return loop["mean_pressure"].values[loading_states(loop)]
+def theory_pressures(loop: xr.Dataset) -> np.ndarray:
+    """Return pressures of one loop at which theories are evaluated (Pa): rising on the way in, falling on that out."""
+    pressure = loop["mean_pressure"].values
+    return np.concatenate([pressure[loading_states(loop)], pressure[unloading_states(loop)]])
 
 
 def loading_states(loop: xr.Dataset) -> np.ndarray:
@@ -203,6 +204,14 @@ def loading_states(loop: xr.Dataset) -> np.ndarray:
     pressure = loop["mean_pressure"].values
     highest = np.maximum.accumulate(np.append(0.0, np.nan_to_num(pressure[:-1])))
     return (loop["branch"].values == 0) & own_states(loop) & (pressure > highest * (1 + 1e-6))
+
+
+def unloading_states(loop: xr.Dataset) -> np.ndarray:
+    """Tell which steps of a loop are states of the way out under a positive pressure below all before."""
+    pressure = loop["mean_pressure"].values
+    back = (loop["branch"].values == 1) & own_states(loop) & np.isfinite(pressure)
+    lowest = np.minimum.accumulate(np.append(np.inf, np.where(back, pressure, np.inf)[:-1]))
+    return back & (pressure > 0) & (pressure < lowest * (1 - 1e-6))
 
 
 def own_states(loop: xr.Dataset) -> np.ndarray:

@@ -153,6 +153,9 @@ VARIABLES: dict[str, Variable] = {
     "pastewka_robbins_ratio": Variable(
         "1", "work of adhesion over that of sticking light contact (Pastewka, Robbins), experimental", ()
     ),
+    "apparent_adhesion_ratio": Variable(
+        "1", "apparent work of adhesion on unloading over that on loading, by the edge flow", ()
+    ),
     "dmt_tension_ratio": Variable(
         "1", "tension within the range over the pressure of light contact, adhesion DMT-like", ()
     ),

@@ -87,7 +87,8 @@ def test_names_are_those_of_the_schema(case, steps):
     names = {name.rpartition("/")[2] for name in [*steps[0].values, *constants_of(case)]}
     assert names <= set(VARIABLES) | set(COORDINATES)
     groups = {name.rpartition("/")[0] for name in steps[0].values}
-    assert groups == {"", "persson", "gap_flow", "gap_flow/loading", "gap_flow/unloading", "edge_flow"}
+    branches = {f"{flow}/{branch}" for flow in BOTH for branch in ("loading", "unloading")}
+    assert groups == {"", "persson", *BOTH, *branches}
     assert all(step.values.keys() == steps[0].values.keys() for step in steps)
 
 

@@ -15,7 +15,7 @@ g = 1 on a half-space, on other solids :func:`theory.edge_flow.equilibrium.modul
 E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū. Under strong adhesion the curve has several pieces.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,10 +25,12 @@ from contact_study.numerics.arguments import finite
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.edge_flow.apparent_adhesion import apparent_adhesion, stronger
 from theory.edge_flow.equilibrium import KERNEL, EdgeFlowOptions, Equilibrium, Piece, Problem, curve, scales_of
 from theory.gap_flow.state import GapNodes, GapState, PressureCurve, core_of, nodes_even_in_stress, positions
 
 EDGE_FLOW_GAPS, EDGE_FLOW_SCALES = 240, 80  # nodes of the gap and steps of the roughness
+EDGE_FLOW_BRANCHES = ("loading", "unloading")
 
 _FAR = 7.0  # mean gap, in rms heights beyond twice the law's own, at which nothing is felt yet
 _ORDER, _MANY, _POINTS = 5, 12, 16  # of the energy's spline: order, states needed, pressures between two of them
@@ -43,7 +45,10 @@ class EdgeFlow(PressureCurve):
     Attributes
     ----------
     law, length, contact_modulus : TractionLaw, float
-        The law in units of ``length`` and ``contact_modulus``, and these (m, Pa).
+        The law in units of ``length`` and ``contact_modulus``, and these (m, Pa); on unloading that of the apparent
+        work of adhesion.
+    branch : str
+        ``"loading"`` or ``"unloading"``.
     pieces : tuple of tuple of Equilibrium
         The states that make the curve, from far to contact, mean gaps falling, in these units; more than one piece
         where the iteration finds no state between.
@@ -63,6 +68,15 @@ class EdgeFlow(PressureCurve):
     limit: str
     _problem: Problem
     _nodes: GapNodes
+    branch: str = "loading"
+
+    def _meant(self, crossings: np.ndarray) -> np.ndarray:
+        return crossings[crossings < np.argmin(self.pressure)] if self.branch == "unloading" else crossings
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Theory, and metastable branch: the groups of its states in a dataset; loading is the theory itself, too."""
+        return (*["edge_flow"] * (self.branch == "loading"), f"edge_flow/{self.branch}")
 
     @cached_property
     def _end(self) -> str:  # type: ignore[override]
@@ -143,7 +157,7 @@ class EdgeFlow(PressureCurve):
         rests_on = (found, *falling[max(after - 2, 0) : after + 2])
         pressure = self.pressure_at(gap * self.length)
         converged = bool(np.isfinite(pressure)) and all(self._solved(state) for state in rests_on)
-        of_curve = ("edge_flow",), self._nodes, self.length, self.contact_modulus
+        of_curve = tuple(self.names[0].split("/")), self._nodes, self.length, self.contact_modulus
         elastic = found.elastic * self.contact_modulus * self.length
         return GapState(*of_curve, mean_gap, pressure, elastic, found.weights, converged, found.change)
 
@@ -164,6 +178,7 @@ def edge_flow(
     iterations: int = 100,
     kernel: tuple[float, float, float] = KERNEL,
     options: EdgeFlowOptions = EdgeFlowOptions(),  # noqa: B008
+    branch: str = "loading",
 ) -> EdgeFlow:
     """Solve the edge flow, this project's own and unpublished theory, along its curve of pressure over mean gap.
 
@@ -182,6 +197,8 @@ def edge_flow(
         Largest change of a scale's mean response in the last sweep, and sweeps of a state at most.
     kernel, options : tuple of float, EdgeFlowOptions, optional
         Slope s, level t and pole b of κ(X) = s X + t + (1 − t) b/(X + b) on a half-space; numerical choices.
+    branch : str, optional
+        ``"loading"``, or ``"unloading"`` with the work of adhesion of :func:`apparent_adhesion`.
 
     Returns
     -------
@@ -191,7 +208,8 @@ def edge_flow(
     Raises
     ------
     ValueError
-        If a number is no number, too small, or a pressure or mean gap beyond the nodes, or if the law has no core.
+        If a number is no number, too small, or a pressure or mean gap beyond the nodes, if the law has no core, or if
+        the branch is unknown.
 
     Examples
     --------
@@ -208,9 +226,13 @@ def edge_flow(
     if not finite("tolerance", tolerance, "1") > 0:
         raise ValueError(f"tolerance = {tolerance!r}: must be positive")
     finite("largest_gap", largest_gap, "m")
+    if branch not in EDGE_FLOW_BRANCHES:
+        raise ValueError(f"branch = {branch!r}: expected one of {', '.join(EDGE_FLOW_BRANCHES)}")
     length = core_of(law)
     solid = elasticity_of(elasticity)
     modulus = solid.contact_modulus
+    if branch == "unloading":
+        law = stronger(law, apparent_adhesion(spectrum, solid, law))
     reduced = law.scaled(length, modulus)
     nodes = nodes_even_in_stress(spectrum, solid, reduced, length, largest_gap, gaps)
     x = nodes.gaps
@@ -234,7 +256,7 @@ def edge_flow(
         softening = f"softening {reduced.strongest_softening / float(steps.stiffness[0]):.2g}"
         limit = f"{share:.2g} of the energy of full contact, {softening} times the finest wave's stiffness"
         found = curve(problem, far, near, highest, count > scales)
-        flow = EdgeFlow(reduced, length, modulus, *found, limit, problem, nodes)
+        flow = EdgeFlow(reduced, length, modulus, *found, limit, problem, nodes, branch)
         if flow.converged:
             break
     return flow

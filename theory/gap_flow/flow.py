@@ -67,9 +67,8 @@ class GapFlow(PressureCurve):
     _compliances: np.ndarray
     _hull: np.ndarray
 
-    @property
-    def _from_contact(self) -> bool:  # type: ignore[override]
-        return self.branch == "unloading"
+    def _meant(self, crossings: np.ndarray) -> np.ndarray:
+        return crossings[:1] if self.branch == "unloading" else crossings
 
     @property
     def name(self) -> str:

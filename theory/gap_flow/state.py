@@ -215,7 +215,6 @@ class PressureCurve(ABC):
     """The curve p(ū) of a surface, to be asked for the state at a pressure or a mean gap."""
 
     _end = "adhesion is too strong for it"  # why the curve may end before a pressure
-    _from_contact = False  # whether of several stable states the one of least gap is meant
 
     @property
     @abstractmethod
@@ -236,20 +235,33 @@ class PressureCurve(ABC):
         """Lowest pressure of the curve, the end of adhesion under pressure control (Pa)."""
         return float(self.pressure.min())
 
+    @property
+    def work_of_separation(self) -> float:
+        """Work of the tension from contact without load to separation under a prescribed gap (J/m²)."""
+        below = np.flatnonzero(self.pressure < 0)
+        if not below.size:
+            return 0.0
+        pressure, gap = self.pressure[below[0] :], self.mean_gap[below[0] :]
+        return -float(np.trapezoid(np.minimum(pressure, 0.0), gap))
+
+    def _meant(self, crossings: np.ndarray) -> np.ndarray:
+        """Choose those of several stable states, gaps rising, that the branch may be in; the last of them is meant."""
+        return crossings
+
     def gap_at(self, pressure: float) -> float:
         """Mean gap, from the law's zero, of the stable state at a pressure (m); NaN if there is none.
 
-        Of several it is the largest, on an unloading branch the smallest. ValueError if the nodes do not reach it.
+        Of several it is the largest, on an unloading branch one before the pull-off. ValueError if the nodes do not reach it.
         """
         p, gap = self.pressure, self.mean_gap
         finite("pressure", pressure, "Pa")
         if pressure > p.max():
             ends = f"it ends at {stress(float(p.max()))}: {self._end}, or its nodes end there; {REMEDY}"
             raise ValueError(f"pressure: the flow has no equilibrium at {stress(pressure)}, {ends}")
-        crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
+        crossings = self._meant(np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure)))
         if crossings.size == 0:
             return float("nan")
-        i = crossings[0 if self._from_contact else -1]
+        i = crossings[-1]
         weight = (p[i] - pressure) / (p[i] - p[i + 1])
         return float((1 - weight) * gap[i] + weight * gap[i + 1])
 

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -14,7 +14,8 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.schema import SPECTRUM_MARK
 from contact_study.study.case import Case
-from theory.edge_flow.flow import EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, edge_flow
+from theory.edge_flow.apparent_adhesion import apparent_adhesion
+from theory.edge_flow.flow import EDGE_FLOW_BRANCHES, EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, edge_flow
 from theory.gap_flow.flow import BRANCHES, GAP_FLOW_GAPS, GAP_FLOW_SCALES, GapFlow, gap_flow
 from theory.gap_flow.state import GapState
 from theory.numerics.background import BackgroundExecutor, BackgroundTask
@@ -96,27 +97,37 @@ class CaseTheories:
         return tuple(self.ahead.begin(partial(_states_along, self.case, begun)) for begun in self._gap_flows_begun)
 
     @cached_property
-    def edge_flow(self) -> EdgeFlow | None:
-        """The edge flow as far as the path needs it, if the study asks for it; InputError if that is beyond contact."""
+    def edge_flows(self) -> tuple[EdgeFlow, ...]:
+        """The edge flow's branches as far as the path needs them, if the study asks; InputError beyond contact."""
         try:
-            return None if self._edge_flow_begun is None else self._edge_flow_begun.result()
+            flows = tuple(begun.result() for begun in self._edge_flows_begun)
         except ValueError as error:
             raise InputError(_too_close(self.case, str(error).rpartition(": ")[2])) from None
+        return flows if len(flows) != 1 else (*flows, replace(flows[0], branch="unloading"))
 
     @cached_property
-    def _edge_flow_begun(self) -> BackgroundTask[EdgeFlow] | None:
+    def apparent_adhesion(self) -> float:
+        """Work of adhesion on unloading over that on loading."""
+        return apparent_adhesion(self.spectrum, self.case.solid, self.case.law)
+
+    @cached_property
+    def _edge_flows_begun(self) -> tuple[BackgroundTask[EdgeFlow], ...]:
+        """Both branches, or one where they are the same."""
         case = self.case
         if case.law.has_wall or not case.theory.has("edge_flow"):
-            return None
+            return ()
+        branches = EDGE_FLOW_BRANCHES if self.apparent_adhesion > 1 else EDGE_FLOW_BRANCHES[:1]
         asked = np.array([value for value, _ in case.path])
-        gaps, scales = EDGE_FLOW_GAPS // self.coarsening, EDGE_FLOW_SCALES // self.coarsening
-        flow = partial(edge_flow, self.spectrum, case.solid, case.law, gaps=gaps, scales=scales)
+        nodes, scales = EDGE_FLOW_GAPS // self.coarsening, EDGE_FLOW_SCALES // self.coarsening
+        flow = partial(edge_flow, self.spectrum, case.solid, case.law, gaps=nodes, scales=scales)
         if case.loading.control == "pressure":
             # Up to nearly full contact: beyond the pull-off, wherever that is.
             stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
-            return self.ahead.begin(partial(flow, max(_RESERVE * asked.max(), float(stress))))
-        reached = asked + case.law.equilibrium_distance
-        return self.ahead.begin(partial(flow, 0.0, float(reached.max()), float(reached.min())))
+            reach = (max(_RESERVE * asked.max(), float(stress)),)
+        else:
+            gaps = asked + case.law.equilibrium_distance
+            reach = 0.0, float(gaps.max()), float(gaps.min())
+        return tuple(self.ahead.begin(partial(flow, *reach, branch=branch)) for branch in branches)
 
 
 def _states_along(case: Case, begun: BackgroundTask[GapFlow]) -> list[GapState | None]:
@@ -154,7 +165,7 @@ def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:
         )
         _kept[:] = case, surface, every
         for theories in every:  # the flows in other threads, the longest first
-            theories._edge_flow_begun, theories.gap_flow_states  # noqa: B018
+            theories._edge_flows_begun, theories.gap_flow_states  # noqa: B018
     return _kept[2]
 
 

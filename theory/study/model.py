@@ -126,15 +126,17 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         values["magnification"] = paths.magnifications(theory, case.theory.magnifications)
     if law.attracts:
         values |= stickiness(spectrum, case.solid, law).quantities()
+        values["apparent_adhesion_ratio"] = theories.apparent_adhesion
         values["local_tabor_number"] = local_tabor_number(q, spectrum, case.solid, law.work_of_adhesion, range_of(law))
     for theories in every:
         tolerance, most = theories.effort
         with theories.naming_the_spectrum():
             pulled = {"persson": pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=most)}
-            pulled |= {flow.name: flow.pull_off_pressure for flow in theories.gap_flows}
-        if theories.edge_flow is not None:
-            pulled["edge_flow"] = theories.edge_flow.pull_off_pressure
+        named = [(flow.name, flow) for flow in theories.gap_flows]
+        named += [(name, flow) for flow in theories.edge_flows for name in flow.names]
+        pulled |= {name: flow.pull_off_pressure for name, flow in named}
         values |= {theories.named(f"{name}/pull_off_pressure"): pressure for name, pressure in pulled.items()}
+        values |= {theories.named(f"{name}/work_of_separation"): flow.work_of_separation for name, flow in named}
     return values
 
 

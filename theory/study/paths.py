@@ -45,14 +45,13 @@ def flow_paths(theories: CaseTheories, start: int = 0) -> list[Callable[[int], d
 
     A mistake of input is raised at the first point.
     """
-    edge_flow = theories.edge_flow
+    edge_flows = theories.edge_flows
     with theories.naming_the_spectrum():
         found: list[Callable[[int], dict[str, Any]]] = [
             partial(_gap_flow_values, theories.case, flow, begun)
             for flow, begun in zip(theories.gap_flows, theories.gap_flow_states, strict=True)
         ]
-        if edge_flow is not None:
-            found.append(_edge_flow_values(theories.case, edge_flow, theories.ahead, start))
+        found += [_edge_flow_values(theories.case, flow, theories.ahead, start) for flow in edge_flows]
     return found
 
 
@@ -74,7 +73,8 @@ def _edge_flow_values(
     if not flow.converged:
         lost = f"{flow.unconverged_states} of {len(flow.equilibria) + flow.lost} mean gaps did not converge"
         sound = ", between pieces of the curve; states of these are sound" if len(flow.pieces) > 1 else ""
-        warnings.warn(f"edge flow: {lost}{sound}", NotConverged, stacklevel=2)
+        branch = ", unloading" * (flow.branch == "unloading")
+        warnings.warn(f"edge flow{branch}: {lost}{sound}", NotConverged, stacklevel=2)
     gaps = [_edge_flow_gap(case, flow, asked) for asked, _ in case.path]
     begun = {
         number: ahead.begin(partial(flow.states, np.array([gap])))
@@ -93,7 +93,7 @@ def _edge_flow_values(
         else:
             (state,) = begun[number].result()
             found = state.quantities(case.contact_distance)
-        return {f"edge_flow/{key}": value for key, value in found.items()}
+        return {f"{name}/{key}": value for name in flow.names for key, value in found.items()}
 
     return values
 
