@@ -158,9 +158,9 @@ def _errors(loops: list[xr.Dataset], theory: str, words: str) -> Iterator[tuple[
 
 
 def _compared(one: xr.Dataset) -> xr.DataArray:
-    """Test which states are between the lightest and the heaviest pressure, and converged."""
+    """Test which states of loading are between the lightest and the heaviest pressure, and converged."""
     pressure = one["mean_pressure"] / stress_of(one)
-    return (pressure >= LIGHTEST) & (pressure <= HEAVIEST) & (one["converged"] == 1)
+    return (one["branch"] == 0) & (pressure >= LIGHTEST) & (pressure <= HEAVIEST) & (one["converged"] == 1)
 
 
 def grids(given: argparse.Namespace) -> None:
@@ -298,10 +298,10 @@ def deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
 
 def _conditions(given: argparse.Namespace) -> list[Condition]:
     """Return the conditions of the whole design, of its tenth, or those of some numbers."""
-    if given.jumping:
-        found = design(JUMPING, least_jump=LEAST_JUMP)[0]
-    else:
-        found = design(TENTH if given.tenth else WHOLE)[0]
+    asked = (
+        {"count": JUMPING, "least_jump": LEAST_JUMP} if given.jumping else {"count": TENTH if given.tenth else WHOLE}
+    )
+    found = design(**asked)[0]
     if given.numbers is None:
         return found
     known = {one.number: one for one in found}

@@ -1,125 +1,181 @@
-"""Hysteresis of the contact atlas beside two forms in Maugis' number that were fitted to other loops.
+"""Both branches of the edge flow against the jumping conditions of the contact atlas, as Markdown.
 
-Γ_D = 1 + D/(Δγ ΔA), D the loss from the lightest pressure to the largest preload and back, ΔA the change of area.
+The edge flow unloads with Γ = 1 + k (x² − 1)₊ times the work of adhesion. Every other condition chose k, the rest
+judge it.
 
-python -m scripts.validate_hysteresis data/contact_atlas_tenth.nc
+python -m scripts.validate_hysteresis fit          # errors of the chosen half by k
+python -m scripts.validate_hysteresis branches     # errors of all theories on the other half
+python -m scripts.validate_hysteresis losses       # Γ of the work that loops lose, on both
 """
 
 import argparse
+import itertools
 import sys
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from contact_study.physics.spheres.jkr import jkr_contact_radius
+from contact_study.atlas.collection import THEORIES, WAYS
+from contact_study.atlas.design import JUMPING, LEAST_JUMP, Condition, design
+from contact_study.atlas.loops import CORES, seeds_of, theory_study_of
+from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
-from scripts.contact_atlas import AREA, DATA, LIGHTEST, deepest, read, solid_of, stress_of
-from scripts.harness import Option, program, show
+from contact_study.study.case import realise
+from contact_study.study.study import make_study
+from scripts.contact_atlas import AREA, DATA, HEAVIEST, LIGHTEST, NAMES, deepest, read, stress_of
+from scripts.harness import Option, minus, program, show
+from theory.edge_flow.apparent_adhesion import GROWTH, stronger
+from theory.edge_flow.flow import edge_flow
+from theory.study.case_theories import roughness
 
-# Maugis' number at which the loop of one asperity opens under a given separation, by law.
-OPENS = {"lennard_jones_10_4": 0.96, "exponential": 1.14, "dugdale": 0.89}
+JUMPING_DATA = DATA.with_name("contact_atlas_jumping.nc")
+GROWTHS = 0.0, 0.04, 0.06, GROWTH, 0.1, 0.12, 0.16
+RATIOS = 1.0, 1.1, 1.25, 1.5, 1.9  # of the work of adhesion, between which areas are interpolated
+LEAST, LARGEST = 0.02, 0.98  # areas that are compared
+STRONG = 0.5  # θ from which a surface of this size holds together by many asperities
+ONSETS = 0.0, 1.1, 1.3, 1.5, 1.8, 2.3, 9.0  # bins of x
 
 
-class Hysteresis(NamedTuple):
-    """Measured and predicted apparent work of adhesion on unloading over that on loading, of one deepest loop."""
+@dataclass(frozen=True)
+class Errors:
+    """Relative errors of one theory on one surface; areas of all states."""
 
-    condition: int
-    surface: int
-    law: str
-    solid: str
-    adhesion: float  # θ
-    ratio: float  # x = λ/λ₁
-    measured: float  # Γ_D = 1 + D/(Δγ ΔA)
-    jumps: float  # the same of the jumps that adaptive steps found one by one
-    candidate: float
-    quadratic: float
+    loading: np.ndarray
+    unloading: np.ndarray
+    pull_off: float
+    work: float
 
 
 def run(given: argparse.Namespace) -> None:
-    """Print the apparent work of adhesion of the deepest loops, and errors of two forms fitted to other loops."""
-    found = [loop for path in given.files for loop in loops_of(read(path))]
-    groups: dict[str, Callable[[Hysteresis], bool]] = {
-        "all": lambda one: True,
-        "x < 1.14": lambda one: one.ratio < 1.14,
-        "x ≥ 1.14": lambda one: one.ratio >= 1.14,
-        "half-spaces, θ < 1": lambda one: one.solid == "half_space" and one.adhesion < 1,
-        "θ ≥ 1": lambda one: one.adhesion >= 1,
-    }
+    ACTIONS[given.action](read(given.file))
+
+
+def branches(data: xr.Dataset) -> None:
+    """Print errors on the half that judges: of areas on both branches, pull-off and work of separation."""
     rows = []
-    for words, holds in groups.items():
-        chosen = [one for one in found if holds(one)]
-        if not chosen:
-            continue
-        measured, *others = np.array([(one.measured, one.candidate, one.quadratic, 1.0) for one in chosen]).T
-        errors = (np.abs(other - measured) for other in others)
-        cells = (f"{error.mean():.3f} ({error.max():.2f})" for error in errors)
-        rows.append((words, len(chosen), f"{measured.min():.2f}…{measured.max():.2f}", *cells))
-    show(("loops", "number", "Γ_D", "error of the cubic form: mean (worst)", "of the quadratic form", "of Γ = 1"), rows)
-    shown = [one for one in found if max(one.measured, one.candidate, one.quadratic) > 1.02]
-    if not shown:
-        return
-    print()
-    show(
-        ("condition", "law", "solid", "θ", "x", "Γ_D", "by large jumps", "cubic", "quadratic"),
-        (
-            (
-                one.condition,
-                one.law,
-                one.solid,
-                f"{one.adhesion:.2f}",
-                f"{one.ratio:.2f}",
-                f"{one.measured:.3f}",
-                f"{one.jumps:.3f}",
-                f"{one.candidate:.3f}",
-                f"{one.quadratic:.3f}",
-            )
-            for one in sorted(shown, key=lambda one: one.ratio)
-        ),
+    for words, holds in {"all": lambda one: True, f"θ ≥ {STRONG:g}": _strong}.items():
+        loops = [one for one in deepest(data.isel(condition=slice(1, None, 2))) if holds(one)]
+        for theory in THEORIES:
+            errors = [errors_of(one, theory) for one in loops]
+            cells = [
+                *(_areas([getattr(one, way) for one in errors]) for way in WAYS),
+                *(_events([getattr(one, name) for one in errors]) for name in ("pull_off", "work")),
+            ]
+            rows.append((NAMES[theory], words, len(loops), *cells))
+    columns = (
+        "area loading: mean size, 95 % below, worst",
+        "unloading",
+        "pull-off: median, mean size",
+        "work of separation",
     )
+    show(("theory", "conditions", "number", *columns), rows)
 
 
-def loops_of(data: xr.Dataset) -> list[Hysteresis]:
-    """Measure Γ_D = 1 + D/(Δγ ΔA) of the deepest loops, from the lightest pressure and back, and predict it.
+def _strong(one: xr.Dataset) -> bool:
+    return float(one["relative_adhesion"]) >= STRONG
 
-    Both forms, ln Γ = 0.073 c^0.7 (x³ − 1.14³)₊ and Γ − 1 = 0.089 (x² − 1.28²)₊, were fitted to other loops.
-    """
-    found = []
-    for one in deepest(data):
-        law, modulus, work = str(one["law"].values), float(one["contact_modulus"]), float(one["work_of_adhesion"])
-        radius, slope = 1 / float(one["rms_curvature"]), float(one["rms_slope"])
-        pressure = one["mean_pressure"].values / stress_of(one)
-        there = np.flatnonzero(np.isfinite(pressure))
-        pressure, turn = pressure[there], int(np.argmax(pressure[there]))
-        ways = {name: one[name].values[there] for name in (AREA, "dissipated_energy", "unaccounted_work")}
-        start, end = _crossing(pressure[: turn + 1][::-1]), _crossing(pressure[turn:])
-        if start is None or end is None:
+
+def _areas(errors: list[np.ndarray]) -> str:
+    sizes = np.abs(np.concatenate(errors))
+    sizes = sizes[np.isfinite(sizes)]
+    if not sizes.size:
+        return ""
+    return "/".join(f"{100 * size:.0f}" for size in (sizes.mean(), np.quantile(sizes, 0.95), sizes.max())) + " %"
+
+
+def _events(errors: list[float]) -> str:
+    known = np.array(errors)[np.isfinite(errors)]
+    if not known.size:
+        return ""
+    return minus(f"{100 * np.median(known):+.0f}/{100 * np.abs(known).mean():.0f} % of {known.size}")
+
+
+def errors_of(one: xr.Dataset, theory: str) -> Errors:
+    """Compare one theory with one loop; pull-off and work of separation are of the unloading branch."""
+    by = one.sel(theory=theory)
+    area, pressure = one[AREA].values, one["mean_pressure"].values / stress_of(one)
+    there = (area > LEAST) & (area < LARGEST) & (pressure >= LIGHTEST) & (pressure <= HEAVIEST)
+    there &= (by["theory_converged"].values == 1) & (one["converged"].values == 1)
+    error = by["theory_relative_contact_area"].values / np.where(there, area, np.nan) - 1
+    back = one["branch"].values == 1
+    events = (
+        float(by[f"theory_{name}"].sel(way="unloading") / one[name]) - 1
+        for name in ("pull_off_pressure", "work_of_separation")
+    )
+    return Errors(error[~back & there], error[back & there], *events)
+
+
+def fit(data: xr.Dataset) -> None:
+    """Print errors of the unloading area on the half that chooses, by k."""
+    known = {one.number: one for one in design(JUMPING, least_jump=LEAST_JUMP)[0]}
+    found: dict[float, list[float]] = {growth: [] for growth in GROWTHS}
+    for one in deepest(data.isel(condition=slice(0, None, 2))):
+        area, pressure = one[AREA].values, one["mean_pressure"].values
+        share = pressure / stress_of(one)
+        there = (one["branch"].values == 1) & (area > LEAST) & (area < LARGEST)
+        there &= (share >= LIGHTEST) & (share <= HEAVIEST)
+        if not there.any():
             continue
-        begun = {name: _at(values[: turn + 1][::-1], start) for name, values in ways.items()}
-        back = {name: _at(values[turn:], end) for name, values in ways.items()}
-        change = work * (ways[AREA][turn] - begun[AREA])
-        jumps = back["dissipated_energy"] - begun["dissipated_energy"]
-        lost = jumps + back["unaccounted_work"] - begun["unaccounted_work"]
-        ratio = float(maugis_parameter(radius, modulus, work, float(one["peak_tensile_stress"]))) / OPENS[law]
-        contact = float(jkr_contact_radius(0.0, radius, modulus, work))
-        covered = 0.023 * (2 / (radius * slope)) ** 2 * np.pi * contact**2
-        found.append(
-            Hysteresis(
-                int(one["condition"]),
-                int(one["surface"]),
-                law,
-                solid_of(one),
-                float(one["relative_adhesion"]),
-                ratio,
-                1 + lost / change,
-                1 + jumps / change,
-                float(np.exp(0.073 * covered**0.7 * max(ratio**3 - 1.14**3, 0.0))),
-                1 + 0.089 * max(ratio**2 - 1.28**2, 0.0),
-            )
-        )
-    return found
+        condition = known[int(one["condition"])]
+        seed = seeds_of(condition, int(one["surface"]))[-1]
+        curves = areas_at(condition, seed, pressure[there])
+        for growth, sizes in found.items():
+            ratio = 1 + growth * max(condition.jump_ratio**2 - 1, 0.0)
+            theirs = [np.interp(np.log(ratio), np.log(RATIOS), curve) for curve in curves.T]
+            sizes.append(float(np.nanmean(np.abs(np.array(theirs) / area[there] - 1))))
+    rows = ((f"{growth:g}", len(sizes), f"{100 * np.nanmean(sizes):.1f} %") for growth, sizes in found.items())
+    show(("k", "conditions", "mean size of the error of the unloading area"), rows)
+
+
+def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarray:
+    """Areas of the edge flow at pressures (Pa) for each of the works of adhesion, shape (ratios, pressures)."""
+    cores = CORES if condition.traction_law.has_wall else (0.0,)
+    by_core = []
+    for core in cores:
+        case = make_study(theory_study_of(condition, seed, pressures.tolist(), core)).cases[0]
+        spectrum = roughness(case, realise(case), "surface")
+        by_ratio = []
+        for ratio in RATIOS:
+            flow = edge_flow(spectrum, case.solid, stronger(case.law, ratio), 1.1 * float(pressures.max()))
+            states = [flow.at_pressure(float(pressure)) for pressure in pressures]
+            by_ratio.append([each.fraction_below(case.contact_distance) for each in states])
+        by_core.append(np.array(by_ratio))
+    return 2 * by_core[0] - by_core[-1]
+
+
+def losses(data: xr.Dataset) -> None:
+    """Print Γ_D = 1 + D/(Δγ ΔA) by x, beside Γ; D is lost from the lightest pressure to the preload and back."""
+    found = [pair for one in deepest(data) if (pair := measured_ratio(one)) is not None]
+    number, ratio = np.array(found).T
+    rows = []
+    for low, high in itertools.pairwise(ONSETS):
+        some = (number >= low) & (number < high)
+        if some.any():
+            law = 1 + GROWTH * np.clip(number[some] ** 2 - 1, 0, None)
+            words = f"{number[some].min():.2f} … {number[some].max():.2f}"
+            rows.append((words, some.sum(), f"{np.median(ratio[some]):.3f}", f"{np.median(law):.3f}"))
+    show(("x", "loops", "Γ_D: median", "Γ: median"), rows)
+
+
+def measured_ratio(one: xr.Dataset) -> tuple[float, float] | None:
+    """Return x and Γ_D of a deepest loop; None if it does not reach the lightest pressure on both ways."""
+    work, law = float(one["work_of_adhesion"]), str(one["law"].values)
+    pressure = one["mean_pressure"].values / stress_of(one)
+    there = np.flatnonzero(np.isfinite(pressure))
+    pressure, turn = pressure[there], int(np.argmax(pressure[there]))
+    names = (AREA, "dissipated_energy", "unaccounted_work")
+    area, jumps, small = (one[name].values[there] for name in names)
+    start, end = _crossing(pressure[: turn + 1][::-1]), _crossing(pressure[turn:])
+    if start is None or end is None:
+        return None
+    lost = jumps + small
+    begun, back = (_at(values, turn - start) for values in (area, lost)), _at(lost, turn + end)
+    area_begun, lost_begun = begun
+    radius, modulus = 1 / float(one["rms_curvature"]), float(one["contact_modulus"])
+    number = maugis_parameter(radius, modulus, work, float(one["peak_tensile_stress"])) / LAWS[law].jump_onset
+    return float(number), 1 + (back - lost_begun) / (work * (area[turn] - area_begun))
 
 
 def _crossing(pressure: np.ndarray) -> float | None:
@@ -136,7 +192,13 @@ def _at(values: np.ndarray, place: float) -> float:
     return float(np.interp(place, np.arange(values.size), values))
 
 
-main = program(run, Option("files", [DATA], "datasets of the atlas", nargs="*", type=Path))
+ACTIONS = {"fit": fit, "branches": branches, "losses": losses}
+
+main = program(
+    run,
+    Option("action", str, "table", choices=tuple(ACTIONS)),
+    Option("file", JUMPING_DATA, "dataset of the atlas", type=Path),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

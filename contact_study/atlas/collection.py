@@ -266,9 +266,7 @@ def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
     found |= {name: own[name].variable for name in CRITERIA}
     named = {"units": "1", "long_name": "theory"}
     ways_named = {"units": "1", "long_name": "branch of the theory"}
-    return xr.Dataset(
-        found, {"theory": ("theory", list(THEORIES), named), "way": ("way", list(WAYS), ways_named)}
-    )
+    return xr.Dataset(found, {"theory": ("theory", list(THEORIES), named), "way": ("way", list(WAYS), ways_named)})
 
 
 def _extrapolated(trees: Sequence[xr.DataTree], label: str, name: str, back: bool) -> np.ndarray | None:

@@ -15,7 +15,7 @@ g = 1 on a half-space, on other solids :func:`theory.edge_flow.equilibrium.modul
 E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū. Under strong adhesion the curve has several pieces.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np

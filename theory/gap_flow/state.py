@@ -251,7 +251,8 @@ class PressureCurve(ABC):
     def gap_at(self, pressure: float) -> float:
         """Mean gap, from the law's zero, of the stable state at a pressure (m); NaN if there is none.
 
-        Of several it is the largest, on an unloading branch one before the pull-off. ValueError if the nodes do not reach it.
+        Of several it is the largest, on an unloading branch one before the pull-off. ValueError if the nodes do not
+        reach it.
         """
         p, gap = self.pressure, self.mean_gap
         finite("pressure", pressure, "Pa")

@@ -123,11 +123,11 @@ class CaseTheories:
         if case.loading.control == "pressure":
             # Up to nearly full contact: beyond the pull-off, wherever that is.
             stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
-            reach = (max(_RESERVE * asked.max(), float(stress)),)
+            flow = partial(flow, max(_RESERVE * asked.max(), float(stress)))
         else:
-            gaps = asked + case.law.equilibrium_distance
-            reach = 0.0, float(gaps.max()), float(gaps.min())
-        return tuple(self.ahead.begin(partial(flow, *reach, branch=branch)) for branch in branches)
+            reached = asked + case.law.equilibrium_distance
+            flow = partial(flow, 0.0, float(reached.max()), float(reached.min()))
+        return tuple(self.ahead.begin(partial(flow, branch=branch)) for branch in branches)
 
 
 def _states_along(case: Case, begun: BackgroundTask[GapFlow]) -> list[GapState | None]:

@@ -17,6 +17,7 @@ from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from theory.criteria import local_tabor_number, range_of, stickiness
+from theory.gap_flow.state import PressureCurve
 from theory.persson.separation import NegativeSeparation, NotConverged, energy_defect, pull_off_pressure
 from theory.study import paths
 from theory.study.case_theories import CaseTheories, case_theories
@@ -132,7 +133,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         tolerance, most = theories.effort
         with theories.naming_the_spectrum():
             pulled = {"persson": pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=most)}
-        named = [(flow.name, flow) for flow in theories.gap_flows]
+        named: list[tuple[str, PressureCurve]] = [(flow.name, flow) for flow in theories.gap_flows]
         named += [(name, flow) for flow in theories.edge_flows for name in flow.names]
         pulled |= {name: flow.pull_off_pressure for name, flow in named}
         values |= {theories.named(f"{name}/pull_off_pressure"): pressure for name, pressure in pulled.items()}
