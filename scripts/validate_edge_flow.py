@@ -16,7 +16,7 @@ from bem_adhesion import HardWall, rough_contact
 from contact_study.physics.laws import Repulsive
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.observables import OVERCOUNT, edge_sides
-from scripts.harness import Option, minus, program, rough_surface, show, walk
+from scripts.harness import Option, program, rough_surface, show, walk
 from theory import NonAdhesiveTheory, edge_flow
 from theory.non_adhesive.corrections import CORRECTIONS
 
@@ -36,36 +36,35 @@ class Contact(NamedTuple):
 
 
 def run(given: argparse.Namespace) -> None:
-    """Print κ = A E* h'/p at light load, and mean sizes of errors of area and gap up to nearly full contact."""
-    rows = []
+    """Print κ = A E* h'/p at light load by spectrum, then errors of area and gap up to nearly full contact."""
+    kappas, errors = [], []
     for hurst, ratio, roll_off in SPECTRA:
         simulated: list[list[Contact]] = []
-        by_theory: dict[str, list[list[Contact]]] = {name: [] for name in ("edge flow", *CORRECTIONS)}
+        by_theory: list[list[list[Contact]]] = []
         for seed in range(1, given.surfaces + 1):
             keys = {"hurst_exponent": hurst, "roll_off_mode": roll_off, "cutoff_mode": CUTOFF, "seed": seed}
             surface = rough_surface(SIZE, given.points, HEIGHT, **keys)
             pressures = [share * MODULUS * surface.rms_slope for share in PRESSURES]
             simulated.append(of_simulation(surface, pressures))
-            by_theory["edge flow"].append(of_edge_flow(surface, pressures))
-            for name in CORRECTIONS:
-                by_theory[name].append(of_correction(surface, name, pressures))
-        truth = np.mean(simulated, axis=0)
-        for name, values in by_theory.items():
-            found = np.mean(values, axis=0)
-            error, apart = found[:, 0] / truth[:, 0] - 1, np.abs(found[:, 1] - truth[:, 1])
-            kappa = (each[0, 0] / PRESSURES[0] for each in (found, truth))
-            rows.append(
-                (
-                    f"{hurst:g}",
-                    ratio,
-                    name.replace("_", "–"),
-                    *(f"{value:.2f}" for value in kappa),
-                    minus("/".join(f"{100 * one:+.0f}" for one in error) + " %"),
-                    f"{apart.max():.3f}",
-                )
-            )
+            corrected = [of_correction(surface, name, pressures) for name in CORRECTIONS]
+            by_theory.append([of_edge_flow(surface, pressures), *corrected])
+        truth, found = np.mean(simulated, axis=0), np.mean(by_theory, axis=0)
+        shown = (f"{areas[0] / PRESSURES[0]:.2f}" for areas in (truth[:, 0], *found[..., 0]))
+        kappas.append((f"{hurst:g}", ratio, *shown))
+        errors.append(np.stack([found[..., 0] / truth[:, 0] - 1, found[..., 1] - truth[:, 1]], axis=-1))
+    names = ["edge flow", *(name.replace("_", "–") for name in CORRECTIONS)]
+    show(("H", "q₁/q₀", "κ simulated", *names), kappas)
+    print()
+    rows = []
+    for name, error in zip(names, np.abs(np.moveaxis(errors, 1, 0)), strict=True):
+        areas = "/".join(f"{100 * one:.0f}" for one in error[..., 0].max(axis=0))
+        rows.append((name, f"{100 * error[..., 0].mean():.1f} %", f"{areas} %", *_sizes(error[..., 1])))
     loads = "/".join(f"{share:g}" for share in PRESSURES)
-    show(("H", "q₁/q₀", "theory", "κ", "simulated", f"error of area at p/E*h′ = {loads}", "ū/h_rms: worst"), rows)
+    show(("theory", "area: mean size", f"worst at p/E*h′ = {loads}", "ū/h_rms: mean size", "worst"), rows)
+
+
+def _sizes(errors: np.ndarray) -> tuple[str, str]:
+    return f"{errors.mean():.3f}", f"{errors.max():.3f}"
 
 
 def of_simulation(surface: Surface, pressures: list[float]) -> list[Contact]:

@@ -6,6 +6,7 @@ judge it.
 python -m scripts.validate_hysteresis fit          # errors of the chosen half by k
 python -m scripts.validate_hysteresis branches     # errors of all theories on the other half
 python -m scripts.validate_hysteresis losses       # Γ of the work that loops lose, on both
+python -m scripts.validate_hysteresis preloads     # what a smaller preload changes on unloading, on both
 """
 
 import argparse
@@ -159,6 +160,50 @@ def losses(data: xr.Dataset) -> None:
     show(("x", "loops", "Γ_D: median", "Γ: median"), rows)
 
 
+def preloads(data: xr.Dataset) -> None:
+    """Print how far unloading from a smaller preload reaches the branch of the largest, and the pull-off of both."""
+    pairs = []
+    for one in deepest(data):
+        small = data.sel(condition=one["condition"], surface=one["surface"]).isel(preload=0)
+        loads, places = zip(*(_ways(each) for each in (one, small)), strict=True)
+        (load, back), (_, early) = places
+        shared = loads[1] / 2  # where the early way out has come off its turning point
+        if shared < LIGHTEST:
+            continue
+        rising, wide, narrow = (float(np.interp(np.log(shared), *way)) for way in (load, back, early))
+        share = (narrow - rising) / (wide - rising) if wide - rising > LEAST else np.nan
+        pairs.append((measured_ratio(one), share, float(small["pull_off_pressure"] / one["pull_off_pressure"])))
+    rows = []
+    for low, high in itertools.pairwise(ONSETS):
+        some = np.array([pair[1:] for pair in pairs if pair[0] is not None and low <= pair[0][0] < high])
+        if some.size:
+            known = some[np.isfinite(some[:, 0]), 0]
+            shares = f"{np.median(known):.2f} ({known.min():.2f} … {known.max():.2f})" if known.size else ""
+            ratios = some[:, 1]
+            rows.append(
+                (
+                    f"{low:g} … {high:g}",
+                    len(some),
+                    shares,
+                    f"{np.median(ratios):.3f} ({ratios.min():.2f} … {ratios.max():.2f})",
+                )
+            )
+    show(("x", "loops", "share of the branch reached: median (range)", "ratio of pull-offs"), rows)
+
+
+def _ways(one: xr.Dataset) -> tuple[float, list[tuple[np.ndarray, np.ndarray]]]:
+    """Return the largest pressure of a loop, and logarithm of positive pressures with areas of both ways, rising."""
+    pressure, area = one["mean_pressure"].values / stress_of(one), one[AREA].values
+    there = np.flatnonzero(np.isfinite(pressure))
+    turn = there[int(np.argmax(pressure[there]))]
+    found = []
+    for way in (there[there <= turn], there[there >= turn]):
+        held = way[pressure[way] > 0]
+        order = held[np.argsort(pressure[held])]
+        found.append((np.log(pressure[order]), area[order]))
+    return float(pressure[turn]), found
+
+
 def measured_ratio(one: xr.Dataset) -> tuple[float, float] | None:
     """Return x and Γ_D of a deepest loop; None if it does not reach the lightest pressure on both ways."""
     work, law = float(one["work_of_adhesion"]), str(one["law"].values)
@@ -192,7 +237,7 @@ def _at(values: np.ndarray, place: float) -> float:
     return float(np.interp(place, np.arange(values.size), values))
 
 
-ACTIONS = {"fit": fit, "branches": branches, "losses": losses}
+ACTIONS = {"fit": fit, "branches": branches, "losses": losses, "preloads": preloads}
 
 main = program(
     run,

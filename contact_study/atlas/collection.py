@@ -76,7 +76,14 @@ CRITERIA = (
 )
 THEORIES = ("persson", "gap_flow", "edge_flow")
 WAYS = ("loading", "unloading")
-_OF_THEORIES = ("relative_contact_area", "mean_gap", "converged", "pull_off_pressure", "work_of_separation")
+_OF_THEORIES = (
+    "relative_contact_area",
+    "mean_gap",
+    "converged",
+    "stress_balance",
+    "pull_off_pressure",
+    "work_of_separation",
+)
 _OF_GRIDS = (
     "mean_pressure",
     "relative_contact_area",
@@ -247,7 +254,8 @@ def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
     steps = [np.flatnonzero(way) for way in ways]
     found: dict[str, xr.Variable] = {}
     for name in _OF_THEORIES:
-        known, by_step = variable_of(name), "step" in own[name].dims
+        known = variable_of(name)
+        by_step = any("step" in tree[name].dims for tree in trees if name in tree)
         values = np.full((len(THEORIES), loop.sizes["step"]) if by_step else (2, len(THEORIES)), np.nan)
         for number, label in enumerate(THEORIES):
             for back, places in enumerate(steps):
