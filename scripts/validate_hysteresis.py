@@ -164,7 +164,7 @@ def preloads(data: xr.Dataset) -> None:
     """Print how far unloading from a smaller preload reaches the branch of the largest, and the pull-off of both."""
     pairs = []
     for one in deepest(data):
-        small = data.sel(condition=one["condition"], surface=one["surface"]).isel(preload=0)
+        small = data.sel(condition=int(one["condition"]), surface=int(one["surface"])).isel(preload=0)
         loads, places = zip(*(_ways(each) for each in (one, small)), strict=True)
         (load, back), (_, early) = places
         shared = loads[1] / 2  # where the early way out has come off its turning point

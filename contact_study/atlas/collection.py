@@ -285,7 +285,8 @@ def _extrapolated(trees: Sequence[xr.DataTree], label: str, name: str, back: boo
         return None
     if name == "converged":
         return np.minimum(at[0], at[-1])
-    return 2 * at[0] - at[-1]
+    found = 2 * at[0] - at[-1]
+    return np.clip(found, 0.0, 1.0) if name == "relative_contact_area" else found
 
 
 def _of_theory(tree: xr.DataTree, label: str, name: str, back: bool) -> np.ndarray | None:

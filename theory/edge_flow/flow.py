@@ -71,7 +71,7 @@ class EdgeFlow(PressureCurve):
     branch: str = "loading"
 
     def _meant(self, crossings: np.ndarray) -> np.ndarray:
-        return crossings[crossings < np.argmin(self.pressure)] if self.branch == "unloading" else crossings
+        return crossings[crossings < self._fold] if self.branch == "unloading" else crossings
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -129,7 +129,7 @@ class EdgeFlow(PressureCurve):
     @property
     def pull_off_pressure(self) -> float:
         """Lowest pressure of the curve, the end of adhesion (Pa); NaN where that is at the end of a piece."""
-        lowest = int(np.argmin(self.pressure))
+        lowest = self._fold
         ends = np.cumsum([len(places) for _, places, _ in self._curves])
         return float("nan") if lowest == 0 or lowest in ends or lowest in ends - 1 else float(self.pressure[lowest])
 

@@ -230,19 +230,35 @@ class PressureCurve(ABC):
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
         """Distribution of the local gap at each mean gap (m); ValueError outside the nodes of the flow."""
 
+    @cached_property
+    def _tension(self) -> tuple[int, int]:
+        """First index of the widest range of gaps under tension, and the one after its last.
+
+        Narrower ones are errors of the slope of the energy, close to full contact, where the pressure rises steeply.
+        """
+        below = np.concatenate([[False], self.pressure < 0, [False]])
+        first, after = np.flatnonzero(below[1:] & ~below[:-1]), np.flatnonzero(below[:-1] & ~below[1:])
+        if not first.size:
+            return 0, self.pressure.size
+        widest = int(np.argmax(self.mean_gap[after - 1] - self.mean_gap[first]))
+        return int(first[widest]), int(after[widest])
+
+    @property
+    def _fold(self) -> int:
+        """Index of the lowest pressure."""
+        first, after = self._tension
+        return first + int(np.argmin(self.pressure[first:after]))
+
     @property
     def pull_off_pressure(self) -> float:
         """Lowest pressure of the curve, the end of adhesion under pressure control (Pa)."""
-        return float(self.pressure.min())
+        return float(self.pressure[self._fold])
 
     @property
     def work_of_separation(self) -> float:
         """Work of the tension from contact without load to separation under a prescribed gap (J/m²)."""
-        below = np.flatnonzero(self.pressure < 0)
-        if not below.size:
-            return 0.0
-        pressure, gap = self.pressure[below[0] :], self.mean_gap[below[0] :]
-        return -float(np.trapezoid(np.minimum(pressure, 0.0), gap))
+        first, after = self._tension
+        return -float(np.trapezoid(np.minimum(self.pressure[first:after], 0.0), self.mean_gap[first:after]))
 
     def _meant(self, crossings: np.ndarray) -> np.ndarray:
         """Choose those of several stable states, gaps rising, that the branch may be in; the last of them is meant."""
