@@ -83,10 +83,10 @@ def check(given: argparse.Namespace) -> int:
 
 
 def numbers(given: argparse.Namespace) -> None:
-    """Print numbers of the whole design and of its tenth."""
+    """Print numbers of the whole design, of its tenth, and of the jumping conditions."""
     rows = []
-    for name, count in (("tenth", TENTH), ("whole", WHOLE)):
-        conditions, refused = design(count)
+    for name, count, least in (("tenth", TENTH, 0.0), ("whole", WHOLE, 0.0), ("jumping", JUMPING, LEAST_JUMP)):
+        conditions, refused = design(count, least_jump=least)
         grids = np.percentile([one.points for one in conditions], (0, 50, 100))
         laws = "/".join(str(sum(one.law == law for one in conditions)) for law in MARKERS)
         layers = sum(one.solid == "layer" for one in conditions)

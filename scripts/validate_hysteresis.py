@@ -17,16 +17,18 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from contact_study.atlas.collection import THEORIES, WAYS
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, Condition, design
 from contact_study.atlas.loops import CORES, seeds_of, theory_study_of
 from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
+from contact_study.plots.style import DOUBLE, styled
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
-from scripts.contact_atlas import AREA, DATA, HEAVIEST, LIGHTEST, NAMES, deepest, read, stress_of
-from scripts.harness import Option, minus, program, show
+from scripts.contact_atlas import AREA, DATA, HEAVIEST, LIGHTEST, MARKERS, NAMES, deepest, read, stress_of
+from scripts.harness import Option, minus, program, save, show
 from theory.edge_flow.apparent_adhesion import GROWTH, stronger
 from theory.edge_flow.flow import edge_flow
 from theory.study.case_theories import roughness
@@ -35,6 +37,7 @@ JUMPING_DATA = DATA.with_name("contact_atlas_jumping.nc")
 GROWTHS = 0.0, 0.04, 0.06, GROWTH, 0.1, 0.12, 0.16
 RATIOS = 1.0, 1.1, 1.25, 1.5, 1.9  # of the work of adhesion, between which areas are interpolated
 LEAST, LARGEST = 0.02, 0.98  # areas that are compared
+SHOWN_STATES = 3  # compared states on unloading of a condition in the figure
 STRONG = 0.5  # θ from which a surface of this size holds together by many asperities
 ONSETS = 0.0, 1.1, 1.3, 1.5, 1.8, 2.3, 9.0  # bins of x
 
@@ -191,6 +194,34 @@ def preloads(data: xr.Dataset) -> None:
     show(("x", "loops", "share of the branch reached: median (range)", "ratio of pull-offs"), rows)
 
 
+@styled
+def picture(data: xr.Dataset) -> Figure:
+    """Draw area over pressure on both ways, simulated and by the flows, for conditions that did not choose k."""
+    figure = Figure(figsize=(DOUBLE, 2.6), layout="constrained")
+    judging = [one for one in deepest(data.isel(condition=slice(1, None, 2))) if _strong(one)]
+    compared = [one for one in judging if errors_of(one, "edge_flow").unloading.size >= SHOWN_STATES]
+    shown = sorted(compared, key=lambda one: float(one["apparent_adhesion_ratio"]))
+    panels = figure.subplots(1, 3, sharey=True)
+    for axes, one in zip(panels, (shown[0], shown[len(shown) // 2], shown[-1]), strict=True):
+        pressure = one["mean_pressure"].values / stress_of(one)
+        for way, (marker, dash) in enumerate((("o", "-"), ("v", "--"))):
+            held = (one["branch"].values == way) & (pressure > 0)
+            axes.plot(
+                pressure[held], one[AREA].values[held], marker, color="0.4", mfc="w", label=f"simulated, {WAYS[way]}"
+            )
+            for theory, colour in (("gap_flow", "#009E73"), ("edge_flow", "#CC79A7")):
+                area = one["theory_relative_contact_area"].sel(theory=theory).values[held]
+                axes.plot(pressure[held], area, dash, color=colour, label=f"{NAMES[theory]}, {WAYS[way]}")
+        ratio, adhesion = float(one["apparent_adhesion_ratio"]), float(one["relative_adhesion"])
+        law = MARKERS[str(one["law"].values)][0]
+        axes.set_title(rf"{law}, $\theta$ = {adhesion:.2f}, $\Gamma$ = {ratio:.2f}", fontsize=8.5)
+        axes.set(xscale="log", xlabel="p / (E*h′/2)", ylim=(0, 1))
+    panels[0].set_ylabel("A / A₀")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    return figure
+
+
 def _ways(one: xr.Dataset) -> tuple[float, list[tuple[np.ndarray, np.ndarray]]]:
     """Return the largest pressure of a loop, and logarithm of positive pressures with areas of both ways, rising."""
     pressure, area = one["mean_pressure"].values / stress_of(one), one[AREA].values
@@ -237,7 +268,13 @@ def _at(values: np.ndarray, place: float) -> float:
     return float(np.interp(place, np.arange(values.size), values))
 
 
-ACTIONS = {"fit": fit, "branches": branches, "losses": losses, "preloads": preloads}
+ACTIONS = {
+    "fit": fit,
+    "branches": branches,
+    "losses": losses,
+    "preloads": preloads,
+    "figure": lambda data: save(picture(data), Path("docs/images/edge_flow_branches.png")),
+}
 
 main = program(
     run,

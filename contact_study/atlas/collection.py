@@ -84,6 +84,11 @@ _OF_THEORIES = (
     "pull_off_pressure",
     "work_of_separation",
 )
+_BOUNDS = {  # that an extrapolation may miss
+    "relative_contact_area": (0.0, 1.0),
+    "pull_off_pressure": (-np.inf, 0.0),
+    "work_of_separation": (0.0, np.inf),
+}
 _OF_GRIDS = (
     "mean_pressure",
     "relative_contact_area",
@@ -285,8 +290,8 @@ def _extrapolated(trees: Sequence[xr.DataTree], label: str, name: str, back: boo
         return None
     if name == "converged":
         return np.minimum(at[0], at[-1])
-    found = 2 * at[0] - at[-1]
-    return np.clip(found, 0.0, 1.0) if name == "relative_contact_area" else found
+    least, most = _BOUNDS.get(name, (-np.inf, np.inf))
+    return np.clip(2 * at[0] - at[-1], least, most)
 
 
 def _of_theory(tree: xr.DataTree, label: str, name: str, back: bool) -> np.ndarray | None:

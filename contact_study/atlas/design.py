@@ -167,10 +167,10 @@ def design(count: int = WHOLE, seed: int = 1, least_jump: float = 0.0) -> tuple[
     taken: list[Condition] = []
     refused: dict[str, int] = {}
     for condition in drawn(seed):
+        if condition.jump_ratio < least_jump:
+            continue
         if reason := condition.refusal:
             refused[reason] = refused.get(reason, 0) + 1
-            continue
-        if condition.jump_ratio < least_jump:
             continue
         taken.append(condition)
         if len(taken) == count:

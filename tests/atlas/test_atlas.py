@@ -101,7 +101,7 @@ def test_an_empty_folder_is_an_error(tmp_path):
         collect([CONDITION], tmp_path)
 
 
-@pytest.mark.parametrize("path", [contact_atlas.DATA, contact_atlas.DATA.with_name("contact_atlas_hysteretic.nc")])
+@pytest.mark.parametrize("path", [contact_atlas.DATA, contact_atlas.DATA.with_name("contact_atlas_jumping.nc")])
 def test_published_parts_are_sound_and_name_all_units(path):
     with xr.open_dataset(path) as published:
         assert problems(published) == []
