@@ -23,6 +23,7 @@ from contact_study.version import __version__
 
 TWENTIETH = 12  # conditions
 SLOPES = (0.2, 0.1)  # rms slope of the blocks: steeper ones have fewer atoms
+FINE_CONDITIONS = (491, 519, 81, 51, 211, 577)  # of the second slope: the smallest, and one that jumps
 PRESSURES = (0.05, 0.2, 0.8, 2.0)  # over E* h'/2, and back
 
 # Lattice constant, distance of the pairs (m), Young's modulus (Pa) and Poisson's ratio of Yang, Persson, Israelachvili
@@ -34,7 +35,7 @@ CONTACT_MODULUS = YOUNGS_MODULUS / (1 - POISSONS_RATIO**2)
 MODELS = ("continuum", "atoms", "warm_atoms")
 WARM = 300.0  # K
 WARM_PRESSURES = (0.05, 2.0)
-WARM_CONDITIONS = (491, 577, 127, 519, 81)  # below and beyond the threshold of jumps
+WARM_CONDITIONS = (491, 519, 81, 577)  # the smallest, and one that jumps
 TRAJECTORIES, EQUILIBRATION = 60, 20
 _PATH = (*PRESSURES, *PRESSURES[-2::-1])
 _STATES = (
@@ -166,8 +167,8 @@ def tasks() -> list[tuple[Block, str]]:
     """List all runs, each a block and one of :data:`MODELS`, in their order."""
     chosen = blocks()
     warm = [(block, MODELS[2]) for block in chosen if block.condition.number in WARM_CONDITIONS]
-    every = [Block(block.condition, slope) for slope in SLOPES for block in chosen]
-    return [*((block, model) for block in every for model in MODELS[:2]), *warm]
+    fine = [Block(block.condition, SLOPES[1]) for block in chosen if block.condition.number in FINE_CONDITIONS]
+    return [*((block, model) for block in [*chosen, *fine] for model in MODELS[:2]), *warm]
 
 
 def run_block(block: Block, folder: Path, model: str) -> None:

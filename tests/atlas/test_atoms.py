@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from contact_study.atlas import atoms
-from contact_study.atlas.atoms import MODELS, PRESSURES, TWENTIETH, WARM_CONDITIONS, Block, blocks
+from contact_study.atlas.atoms import FINE_CONDITIONS, MODELS, PRESSURES, TWENTIETH, WARM_CONDITIONS, Block, blocks
 from contact_study.atlas.design import MODULUS, STRESS, Condition
 from contact_study.atlas.validation import problems
 from contact_study.inputs.errors import InputError
@@ -53,7 +53,7 @@ def test_blocks_are_the_smallest_that_are_fine_enough():
     sizes = [block.atoms for block in chosen]
     assert sizes == sorted(sizes)
     assert all(block.atoms >= block.condition.points for block in chosen)
-    assert {block.condition.number for block in chosen} >= set(WARM_CONDITIONS)
+    assert {block.condition.number for block in chosen} >= {*WARM_CONDITIONS, *FINE_CONDITIONS}
 
 
 @pytest.mark.filterwarnings("ignore:the 10 states of a point are too few")
@@ -82,9 +82,12 @@ def test_a_block_is_run_at_both_temperatures_and_joined(tmp_path, monkeypatch, c
     assert len(rows) == 4 + 2 + 1
 
 
-def test_the_published_blocks_have_no_problems():
+def test_the_published_blocks_are_all_runs_and_have_no_problems():
     published = read(atlas_atoms.ATOMS)
     assert problems(published) == []
-    usual = published.isel(block=published["slope"] > 0.15)
-    assert usual["condition"].values.tolist() == [block.condition.number for block in blocks()]
-    assert usual["atoms"].values.tolist() == [block.atoms for block in blocks()]
+    found = {
+        (int(one["condition"]), int(one["atoms"]), model)
+        for one in (published.isel(block=place) for place in range(published.sizes["block"]))
+        for model in one["model"].values[one["relative_contact_area"].isel(step=0).notnull()]
+    }
+    assert found == {(block.condition.number, block.atoms, model) for block, model in atoms.tasks()}
