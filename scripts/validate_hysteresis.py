@@ -7,6 +7,7 @@ python -m scripts.validate_hysteresis fit          # errors of the chosen half b
 python -m scripts.validate_hysteresis branches     # errors of all theories on the other half
 python -m scripts.validate_hysteresis losses       # Γ of the work that loops lose, on both
 python -m scripts.validate_hysteresis preloads     # what a smaller preload changes on unloading, on both
+python -m scripts.validate_hysteresis branches --figure docs/images/edge_flow_branches.png
 """
 
 import argparse
@@ -28,7 +29,7 @@ from contact_study.plots.style import DOUBLE, styled
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from scripts.contact_atlas import AREA, DATA, HEAVIEST, LIGHTEST, MARKERS, NAMES, deepest, read, stress_of
-from scripts.harness import Option, minus, program, save, show
+from scripts.harness import FIGURE, Option, minus, program, save, show
 from theory.edge_flow.apparent_adhesion import GROWTH, stronger
 from theory.edge_flow.flow import edge_flow
 from theory.study.case_theories import roughness
@@ -53,7 +54,11 @@ class Errors:
 
 
 def run(given: argparse.Namespace) -> None:
-    ACTIONS[given.action](read(given.file))
+    data = read(given.file)
+    if given.figure:
+        save(picture(data), given.figure)
+    else:
+        ACTIONS[given.action](data)
 
 
 def branches(data: xr.Dataset) -> None:
@@ -273,13 +278,13 @@ ACTIONS = {
     "branches": branches,
     "losses": losses,
     "preloads": preloads,
-    "figure": lambda data: save(picture(data), Path("docs/images/edge_flow_branches.png")),
 }
 
 main = program(
     run,
     Option("action", str, "table", choices=tuple(ACTIONS)),
     Option("file", JUMPING_DATA, "dataset of the atlas", type=Path),
+    FIGURE,
 )
 
 if __name__ == "__main__":

@@ -156,6 +156,9 @@ VARIABLES: dict[str, Variable] = {
     "apparent_adhesion_ratio": Variable(
         "1", "apparent work of adhesion on unloading over that on loading, by the edge flow", ()
     ),
+    "area_error_in_atlas": Variable(
+        "1", "mean size of the relative error of the contact area in the contact atlas", ()
+    ),
     "dmt_tension_ratio": Variable(
         "1", "tension within the range over the pressure of light contact, adhesion DMT-like", ()
     ),

@@ -11,6 +11,7 @@ from contact_study.atlas.loops import run_condition
 from contact_study.atlas.validation import problems
 from contact_study.inputs.errors import InputError
 from scripts import contact_atlas, validate_hysteresis
+from theory.edge_flow.apparent_adhesion import AREA_ERRORS
 
 PRELOADS = (0.4, 2.0)
 CONDITION = Condition(7, 0.8, 4.0, 0.3, 0.2, "exponential", "half_space")
@@ -106,6 +107,24 @@ def test_published_parts_are_sound_and_name_all_units(path):
     with xr.open_dataset(path) as published:
         assert problems(published) == []
         assert all({"units", "long_name"} <= published[name].attrs.keys() for name in published.variables)
+
+
+def test_errors_in_datasets_are_those_of_the_judging_half():
+    data = contact_atlas.read(validate_hysteresis.JUMPING_DATA).isel(condition=slice(1, None, 2))
+    errors = [validate_hysteresis.errors_of(one, "edge_flow") for one in contact_atlas.deepest(data)]
+    for branch, expected in AREA_ERRORS.items():
+        sizes = np.abs(np.concatenate([getattr(one, branch) for one in errors]))
+        assert np.nanmean(sizes) == pytest.approx(expected, abs=0.005)  # rounded to a per cent
+
+
+def test_tables_of_the_jumping_conditions(capsys, tmp_path):
+    for action in ("branches", "losses", "preloads"):
+        assert validate_hysteresis.main([action]) == 0
+    figure = tmp_path / "branches.png"
+    assert validate_hysteresis.main(["branches", "--figure", str(figure)]) == 0
+    out = capsys.readouterr().out
+    assert "| edge flow | θ ≥ 0.5 |" in out
+    assert figure.stat().st_size > 10_000
 
 
 def test_tables_of_a_dataset(dataset, tmp_path, capsys):

@@ -17,6 +17,8 @@ from contact_study.physics.solids import Elasticity, elasticity_of
 from contact_study.physics.spheres.numbers import maugis_parameter
 
 GROWTH = 0.08  # k, from ``python -m scripts.validate_hysteresis fit``
+# Mean size of the relative error of the area on each branch, on the half that judges: ``... branches``.
+AREA_ERRORS = {"loading": 0.06, "unloading": 0.06}
 
 
 def jump_number(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw) -> float:
