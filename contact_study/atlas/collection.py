@@ -284,7 +284,7 @@ def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
 
 def _extrapolated(trees: Sequence[xr.DataTree], label: str, name: str, back: bool) -> np.ndarray | None:
     """Return a theory's values at all its states, on the unloading branch if it has one; None if it has none."""
-    given = [value for tree in trees if (value := _of_theory(tree, label, name, back)) is not None]
+    given = [value for tree in trees if (value := of_theory(tree, label, name, back)) is not None]
     at = given[-2:] if len(given) == len(CORES) else given[:1]
     if not at:
         return None
@@ -294,10 +294,13 @@ def _extrapolated(trees: Sequence[xr.DataTree], label: str, name: str, back: boo
     return np.clip(2 * at[0] - at[-1], least, most)
 
 
-def _of_theory(tree: xr.DataTree, label: str, name: str, back: bool) -> np.ndarray | None:
+def of_theory(tree: xr.DataTree, label: str, name: str, back: bool) -> np.ndarray | None:
+    """Return a theory's values in one dataset, on the way back of its unloading branch if it has one."""
     branches = tree["metastable"].to_dataset() if back and "metastable" in tree.children else None
     if branches is not None and name in branches and label in branches["theory"].values:
-        return branches[name].sel(theory=label, metastable_branch="unloading").values
+        found = branches[name].sel(theory=label, metastable_branch="unloading").values
+        if not np.isnan(found).all():  # others share the dimension
+            return found
     root = tree.to_dataset()
     return root[name].sel(theory=label).values if name in root and label in root["theory"].values else None
 

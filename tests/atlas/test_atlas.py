@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.atlas import loops
+from contact_study.atlas import collection, loops
 from contact_study.atlas.collection import collect
 from contact_study.atlas.design import STRESS, Condition
 from contact_study.atlas.loops import run_condition
@@ -107,6 +107,22 @@ def test_published_parts_are_sound_and_name_all_units(path):
     with xr.open_dataset(path) as published:
         assert problems(published) == []
         assert all({"units", "long_name"} <= published[name].attrs.keys() for name in published.variables)
+
+
+def test_on_the_way_out_theories_are_on_their_unloading_branch():
+    theory = ["persson", "edge_flow"]
+    root = xr.Dataset({"pull_off_pressure": ("theory", [1.0, 2.0])}, {"theory": theory})
+    branches = xr.Dataset(
+        {"pull_off_pressure": (("theory", "metastable_branch"), [[np.nan, np.nan], [3.0, 4.0]])},
+        {"theory": theory, "metastable_branch": ["loading", "unloading"]},
+    )
+    tree = xr.DataTree.from_dict({"/": root, "/metastable": branches})
+    found = [
+        float(collection.of_theory(tree, label, "pull_off_pressure", back))
+        for label in theory
+        for back in (False, True)
+    ]
+    assert found == [1.0, 1.0, 2.0, 4.0]
 
 
 def test_errors_in_datasets_are_those_of_the_judging_half():

@@ -92,6 +92,19 @@ def test_names_are_those_of_the_schema(case, steps):
     assert all(step.values.keys() == steps[0].values.keys() for step in steps)
 
 
+def test_branches_of_the_edge_flow():
+    case = case_of("1 GPa", flows="edge_flow", interaction={"well_depth_ratio": 6})
+    constants, steps = constants_of(case), steps_of(case)
+    assert constants["apparent_adhesion_ratio"] > 1
+    assert constants["edge_flow/unloading/pull_off_pressure"] < constants["edge_flow/loading/pull_off_pressure"] < 0
+    assert constants["edge_flow/unloading/work_of_separation"] > constants["edge_flow/work_of_separation"] > 0
+    for step in steps:
+        area, loading, unloading = (
+            step.values[f"edge_flow{branch}/relative_contact_area"] for branch in ("", "/loading", "/unloading")
+        )
+        assert unloading > loading == area
+
+
 def test_values_are_consistent(case, steps):
     spectrum, bins = realise(case).spectrum, bins_of_case(case)
     factor = true_area_factor(np.array(spectrum.rms_slope))
