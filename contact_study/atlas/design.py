@@ -50,7 +50,7 @@ class Condition:
     hurst_exponent, cutoff_ratio : float
         H, and q_1/q_0.
     relative_adhesion : float
-        θ = Δγ/U_full, U_full the elastic energy of full contact per area.
+        θ = Δγ/U_full, U_full the elastic energy of full contact with a half-space per area.
     tabor_number : float
         μ of the mean asperity, of radius 2 / rms Laplacian.
     law, solid : str
@@ -80,12 +80,12 @@ class Condition:
     def elasticity(self) -> Elasticity:
         if self.solid == "half_space":
             return HalfSpace(MODULUS)
-        return Layer(MODULUS, THICKNESS, POISSONS_RATIO)
+        return Layer(MODULUS, POISSONS_RATIO, THICKNESS)
 
     @property
     def work_of_adhesion(self) -> float:
-        """Δγ = θ U_full (J/m²)."""
-        return self.relative_adhesion * float(self.spectrum.full_contact_energy(self.elasticity.stiffness))
+        """Δγ = θ U_full (J/m²), U_full that of a half-space for layers, too."""
+        return self.relative_adhesion * float(self.spectrum.full_contact_energy(HalfSpace(MODULUS).stiffness))
 
     @property
     def length(self) -> float:

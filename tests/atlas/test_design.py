@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from scipy.stats import ks_2samp, qmc
 
-from contact_study.atlas.design import LARGEST_GRID, RANGES, RMS_SLOPE, SIZE, TENTH, Condition, design, drawn
+from contact_study.atlas.design import LARGEST_GRID, MODULUS, RANGES, RMS_SLOPE, SIZE, TENTH, Condition, design, drawn
+from contact_study.atlas.loops import study_of
 from contact_study.inputs.errors import InputError
 from contact_study.physics.process_zone import process_zone
+from contact_study.physics.solids import HalfSpace
+from contact_study.study.study import make_study
 
 
 def unit_cube(conditions: list[Condition]) -> np.ndarray:
@@ -80,8 +83,10 @@ def test_a_condition_has_the_slope_the_adhesion_and_the_range_that_it_says():
     for solid in ("half_space", "layer"):
         one = Condition(0, 0.6, 10.0, 0.5, 0.7, "exponential", solid)
         assert one.spectrum.rms_slope == pytest.approx(RMS_SLOPE)
-        full = float(one.spectrum.full_contact_energy(one.elasticity.stiffness))
+        full = float(one.spectrum.full_contact_energy(HalfSpace(MODULUS).stiffness))
         assert one.work_of_adhesion == pytest.approx(0.5 * full)
+        made = make_study(study_of(one, [1], preloads=(2.0,))).cases[0].solid
+        assert one.elasticity.stiffness(3e7) == pytest.approx(float(made.stiffness(3e7)), rel=1e-12)
         tabor = math.cbrt(2 / one.spectrum.rms_laplacian * (one.work_of_adhesion / 1e9) ** 2 / one.length**3)
         assert tabor == pytest.approx(0.7)
 
