@@ -7,6 +7,7 @@ python -m scripts.validate_hysteresis fit          # errors of the chosen half b
 python -m scripts.validate_hysteresis branches     # errors of all theories on the other half
 python -m scripts.validate_hysteresis losses       # Γ of the work that loops lose, on both
 python -m scripts.validate_hysteresis preloads     # what a smaller preload changes on unloading, on both
+python -m scripts.validate_hysteresis surfaces data/contact_atlas_surfaces.nc     # means of four surfaces
 python -m scripts.validate_hysteresis branches --figure docs/images/edge_flow_branches.png
 """
 
@@ -199,6 +200,27 @@ def preloads(data: xr.Dataset) -> None:
     show(("x", "loops", "share of the branch reached: median (range)", "ratio of pull-offs"), rows)
 
 
+def surfaces(data: xr.Dataset) -> None:
+    """Print pull-off and work of separation by the edge flow over the simulated ones, as means of several surfaces."""
+    rows, every = [], []
+    for number in range(data.sizes["condition"]):
+        one = data.isel(condition=number, preload=-1)
+        cells = []
+        for name in ("pull_off_pressure", "work_of_separation"):
+            simulated = one[name].values
+            theory = one[f"theory_{name}"].sel(theory="edge_flow", way="unloading").values
+            ratio, scatter = theory.mean() / simulated.mean(), simulated.std(ddof=1) / abs(simulated.mean())
+            every.append(abs(ratio - 1))
+            cells += [f"{100 * scatter:.0f} %", f"{ratio:.2f}"]
+        law = MARKERS[str(one["law"].values)][0]
+        rows.append((int(one["condition"]), law, f"{float(one['relative_adhesion']):.2f}", *cells))
+    sizes = np.reshape(every, (-1, 2))
+    worst = [text for size in sizes.T for text in ("", f"±{100 * size.mean():.0f} %, worst {100 * size.max():.0f} %")]
+    rows.append(("all", "", "", *worst))
+    columns = "pull-off: scatter", "theory/simulated", "work of separation: scatter", "theory/simulated"
+    show(("condition", "law", "θ", *columns), rows)
+
+
 @styled
 def picture(data: xr.Dataset) -> Figure:
     """Draw area over pressure on both ways, simulated and by the flows, for conditions that did not choose k."""
@@ -278,6 +300,7 @@ ACTIONS = {
     "branches": branches,
     "losses": losses,
     "preloads": preloads,
+    "surfaces": surfaces,
 }
 
 main = program(

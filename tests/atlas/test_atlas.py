@@ -14,6 +14,7 @@ from scripts import contact_atlas, validate_hysteresis
 from theory.edge_flow.apparent_adhesion import AREA_ERRORS
 
 PRELOADS = (0.4, 2.0)
+SURFACES = contact_atlas.DATA.with_name("contact_atlas_surfaces.nc")
 CONDITION = Condition(7, 0.8, 4.0, 0.3, 0.2, "exponential", "half_space")
 
 
@@ -102,7 +103,7 @@ def test_an_empty_folder_is_an_error(tmp_path):
         collect([CONDITION], tmp_path)
 
 
-@pytest.mark.parametrize("path", [contact_atlas.DATA, contact_atlas.DATA.with_name("contact_atlas_jumping.nc")])
+@pytest.mark.parametrize("path", [contact_atlas.DATA, validate_hysteresis.JUMPING_DATA, SURFACES])
 def test_published_parts_are_sound_and_name_all_units(path):
     with xr.open_dataset(path) as published:
         assert problems(published) == []
@@ -136,6 +137,7 @@ def test_errors_in_datasets_are_those_of_the_judging_half():
 def test_tables_of_the_jumping_conditions(capsys, tmp_path):
     for action in ("branches", "losses", "preloads"):
         assert validate_hysteresis.main([action]) == 0
+    assert validate_hysteresis.main(["surfaces", str(SURFACES)]) == 0
     figure = tmp_path / "branches.png"
     assert validate_hysteresis.main(["branches", "--figure", str(figure)]) == 0
     out = capsys.readouterr().out

@@ -5,7 +5,8 @@ import pytest
 
 from contact_study.physics.laws import Dugdale, ExponentialCore, LennardJones104
 from contact_study.physics.laws.lennard_jones import Repulsive
-from contact_study.physics.spheres.numbers import tabor_parameter
+from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
+from scripts import jump_onset
 from theory import JKR, SelfAffineSpectrum, apparent_adhesion, edge_flow
 from theory.edge_flow.apparent_adhesion import jump_number, stronger
 from theory.gap_flow.state import PressureCurve
@@ -93,3 +94,12 @@ def test_the_pull_off_is_not_an_error_of_the_slope_near_contact():
     assert curve.pressure.min() < -5
     assert curve.pull_off_pressure == pytest.approx(-1.0)
     assert curve.work_of_separation == pytest.approx(7**3 / 6 * 2 / 24.5, rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore:grid too coarse")
+@pytest.mark.parametrize(("number", "expected"), [(0.8, False), (1.2, True)])
+def test_an_asperity_jumps_above_its_onset(number, expected):
+    law = jump_onset.with_number(jump_onset.LAWS["10-4 law"], number)
+    found = maugis_parameter(jump_onset.RADIUS, 1.0, jump_onset.WORK, law.peak_tensile_stress)
+    assert found == pytest.approx(number)
+    assert jump_onset.jumps(law, points=48, steps=60) is expected
