@@ -13,12 +13,12 @@ import numpy as np
 import xarray as xr
 
 from contact_study.atlas.atoms import MODELS, SLOPES, collect_blocks, run_block, tasks
+from contact_study.atlas.collection import WAYS
 from contact_study.campaign.store.files import write_aside
 from scripts.contact_atlas import DATA, read
 from scripts.harness import Option, minus, program, show
 
 ATOMS = DATA.with_name("contact_atlas_atoms.nc")
-WAYS = "loading", "unloading"
 LOOP = 0.002  # relative difference of areas above which there are two branches
 PAIRS = {"0 K − continuum": (MODELS[1], MODELS[0]), "300 K − 0 K": (MODELS[2], MODELS[1])}
 

@@ -141,7 +141,8 @@ def _errors(loops: list[xr.Dataset], theory: str, words: str) -> Iterator[tuple[
     area, gap, conditions = [], [], set()
     for one in loops:
         by = one.sel(theory=theory)
-        there = by["theory_relative_contact_area"].notnull() & (by["theory_converged"] == 1) & _compared(one)
+        there = (one["branch"] == 0) & compared(one)
+        there &= by["theory_relative_contact_area"].notnull() & (by["theory_converged"] == 1)
         if not there.any():
             continue
         conditions.add(int(one["condition"]))
@@ -157,10 +158,10 @@ def _errors(loops: list[xr.Dataset], theory: str, words: str) -> Iterator[tuple[
         yield NAMES[theory], words, len(conditions), len(area), *(minus(f"{cell} %") for cell in shown), *gap_cells
 
 
-def _compared(one: xr.Dataset) -> xr.DataArray:
-    """Test which states of loading are between the lightest and the heaviest pressure, and converged."""
+def compared(one: xr.Dataset) -> xr.DataArray:
+    """Test which states are between the lightest and the heaviest pressure, and converged."""
     pressure = one["mean_pressure"] / stress_of(one)
-    return (one["branch"] == 0) & (pressure >= LIGHTEST) & (pressure <= HEAVIEST) & (one["converged"] == 1)
+    return (pressure >= LIGHTEST) & (pressure <= HEAVIEST) & (one["converged"] == 1)
 
 
 def grids(given: argparse.Namespace) -> None:
@@ -285,7 +286,7 @@ def _area(one: xr.Dataset) -> float:
 
 def _mean_error(one: xr.Dataset, theory: str) -> float:
     values = one["theory_relative_contact_area"].sel(theory=theory) / one[AREA] - 1
-    values = values.where(_compared(one))
+    values = values.where((one["branch"] == 0) & compared(one))
     return float(values.mean()) if values.notnull().any() else np.nan
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from bem_adhesion import HardWall, rough_contact
 from contact_study.physics.laws import Repulsive
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.observables import OVERCOUNT, edge_sides
+from contact_study.results.observables import corrected_area
 from scripts.harness import Option, program, rough_surface, show, walk
 from theory import NonAdhesiveTheory, edge_flow
 from theory.non_adhesive.corrections import CORRECTIONS
@@ -71,9 +71,7 @@ def of_simulation(surface: Surface, pressures: list[float]) -> list[Contact]:
     contact = rough_contact(surface.sampled, SIZE, MODULUS, HardWall())
     found = []
     for state in walk(contact, pressures):
-        touching = state.pressure > 0
-        area = touching.mean() - OVERCOUNT * sum(edge_sides(touching)) / touching.size
-        found.append(Contact(float(area), float(state.gap.mean()) / HEIGHT))
+        found.append(Contact(corrected_area(state.pressure > 0), float(state.gap.mean()) / HEIGHT))
     return found
 
 

@@ -29,9 +29,9 @@ from contact_study.physics.spheres.numbers import maugis_parameter
 from contact_study.plots.style import DOUBLE, styled
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
-from scripts.contact_atlas import AREA, DATA, HEAVIEST, LIGHTEST, MARKERS, NAMES, deepest, read, stress_of
+from scripts.contact_atlas import AREA, DATA, LIGHTEST, MARKERS, NAMES, compared, deepest, read, stress_of
 from scripts.harness import FIGURE, Option, minus, program, save, show
-from theory.edge_flow.apparent_adhesion import GROWTH, stronger
+from theory.edge_flow.apparent_adhesion import GROWTH, adhesion_ratio, stronger
 from theory.edge_flow.flow import edge_flow
 from theory.study.case_theories import roughness
 
@@ -105,10 +105,8 @@ def _events(errors: list[float]) -> str:
 def errors_of(one: xr.Dataset, theory: str) -> Errors:
     """Compare one theory with one loop; pull-off and work of separation are of the unloading branch."""
     by = one.sel(theory=theory)
-    area, pressure = one[AREA].values, one["mean_pressure"].values / stress_of(one)
-    there = (area > LEAST) & (area < LARGEST) & (pressure >= LIGHTEST) & (pressure <= HEAVIEST)
-    there &= (by["theory_converged"].values == 1) & (one["converged"].values == 1)
-    error = by["theory_relative_contact_area"].values / np.where(there, area, np.nan) - 1
+    there = partial_contact(one) & (by["theory_converged"].values == 1)
+    error = by["theory_relative_contact_area"].values / np.where(there, one[AREA].values, np.nan) - 1
     back = one["branch"].values == 1
     events = (
         float(by[f"theory_{name}"].sel(way="unloading") / one[name]) - 1
@@ -117,22 +115,25 @@ def errors_of(one: xr.Dataset, theory: str) -> Errors:
     return Errors(error[~back & there], error[back & there], *events)
 
 
+def partial_contact(one: xr.Dataset) -> np.ndarray:
+    """Test which compared states have an area away from none and from full contact."""
+    return (compared(one) & (one[AREA] > LEAST) & (one[AREA] < LARGEST)).values
+
+
 def fit(data: xr.Dataset) -> None:
     """Print errors of the unloading area on the half that chooses, by k."""
     known = {one.number: one for one in design(JUMPING, least_jump=LEAST_JUMP)[0]}
     found: dict[float, list[float]] = {growth: [] for growth in GROWTHS}
     for one in deepest(data.isel(condition=slice(0, None, 2))):
+        there = partial_contact(one) & (one["branch"].values == 1)
         area, pressure = one[AREA].values, one["mean_pressure"].values
-        share = pressure / stress_of(one)
-        there = (one["branch"].values == 1) & (area > LEAST) & (area < LARGEST)
-        there &= (share >= LIGHTEST) & (share <= HEAVIEST)
         if not there.any():
             continue
         condition = known[int(one["condition"])]
         seed = seeds_of(condition, int(one["surface"]))[-1]
         curves = areas_at(condition, seed, pressure[there])
         for growth, sizes in found.items():
-            ratio = 1 + growth * max(condition.jump_ratio**2 - 1, 0.0)
+            ratio = adhesion_ratio(condition.jump_ratio, growth)
             theirs = [np.interp(np.log(ratio), np.log(RATIOS), curve) for curve in curves.T]
             sizes.append(float(np.nanmean(np.abs(np.array(theirs) / area[there] - 1))))
     rows = ((f"{growth:g}", len(sizes), f"{100 * np.nanmean(sizes):.1f} %") for growth, sizes in found.items())
@@ -163,9 +164,9 @@ def losses(data: xr.Dataset) -> None:
     for low, high in itertools.pairwise(ONSETS):
         some = (number >= low) & (number < high)
         if some.any():
-            law = 1 + GROWTH * np.clip(number[some] ** 2 - 1, 0, None)
             words = f"{number[some].min():.2f} … {number[some].max():.2f}"
-            rows.append((words, some.sum(), f"{np.median(ratio[some]):.3f}", f"{np.median(law):.3f}"))
+            medians = (np.median(values[some]) for values in (ratio, adhesion_ratio(number)))
+            rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians)))
     show(("x", "loops", "Γ_D: median", "Γ: median"), rows)
 
 
@@ -226,8 +227,8 @@ def picture(data: xr.Dataset) -> Figure:
     """Draw area over pressure on both ways, simulated and by the flows, for conditions that did not choose k."""
     figure = Figure(figsize=(DOUBLE, 2.6), layout="constrained")
     judging = [one for one in deepest(data.isel(condition=slice(1, None, 2))) if _strong(one)]
-    compared = [one for one in judging if errors_of(one, "edge_flow").unloading.size >= SHOWN_STATES]
-    shown = sorted(compared, key=lambda one: float(one["apparent_adhesion_ratio"]))
+    several = [one for one in judging if errors_of(one, "edge_flow").unloading.size >= SHOWN_STATES]
+    shown = sorted(several, key=lambda one: float(one["apparent_adhesion_ratio"]))
     panels = figure.subplots(1, 3, sharey=True)
     for axes, one in zip(panels, (shown[0], shown[len(shown) // 2], shown[-1]), strict=True):
         pressure = one["mean_pressure"].values / stress_of(one)
@@ -274,11 +275,10 @@ def measured_ratio(one: xr.Dataset) -> tuple[float, float] | None:
     if start is None or end is None:
         return None
     lost = jumps + small
-    begun, back = (_at(values, turn - start) for values in (area, lost)), _at(lost, turn + end)
-    area_begun, lost_begun = begun
+    change, loss = area[turn] - _at(area, turn - start), _at(lost, turn + end) - _at(lost, turn - start)
     radius, modulus = 1 / float(one["rms_curvature"]), float(one["contact_modulus"])
     number = maugis_parameter(radius, modulus, work, float(one["peak_tensile_stress"])) / LAWS[law].jump_onset
-    return float(number), 1 + (back - lost_begun) / (work * (area[turn] - area_begun))
+    return float(number), 1 + loss / (work * change)
 
 
 def _crossing(pressure: np.ndarray) -> float | None:

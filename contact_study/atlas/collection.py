@@ -255,27 +255,21 @@ def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
     """
     trees = [xr.load_datatree(path) for path in files.values()]
     own = trees[0].to_dataset()
-    ways = loading_states(loop), unloading_states(loop)
-    steps = [np.flatnonzero(way) for way in ways]
+    steps = [np.flatnonzero(way) for way in (loading_states(loop), unloading_states(loop))]
     found: dict[str, xr.Variable] = {}
     for name in _OF_THEORIES:
         known = variable_of(name)
         by_step = any("step" in tree[name].dims for tree in trees if name in tree)
-        values = np.full((len(THEORIES), loop.sizes["step"]) if by_step else (2, len(THEORIES)), np.nan)
-        for number, label in enumerate(THEORIES):
-            for back, places in enumerate(steps):
-                value = _extrapolated(trees, label, name, bool(back))
-                if value is None:
-                    continue
-                if by_step:
-                    values[number, places] = value[len(steps[0]) :] if back else value[: len(steps[0])]
-                else:
-                    values[back, number] = value
+        dims = ("theory", "step") if by_step else ("way", "theory")
+        values = np.full((len(THEORIES), loop.sizes["step"]) if by_step else (len(WAYS), len(THEORIES)), np.nan)
+        for (number, label), back in itertools.product(enumerate(THEORIES), (False, True)):
+            value = _extrapolated(trees, label, name, back)
+            if value is not None and by_step:
+                values[number, steps[back]] = value[len(steps[0]) :] if back else value[: len(steps[0])]
+            elif value is not None:
+                values[int(back), number] = value
         attributes = {"units": known.units, "long_name": f"by theory: {known.long_name}"}
-        if by_step:
-            found[f"theory_{name}"] = xr.Variable(("theory", "step"), values, attributes)
-        else:
-            found[f"theory_{name}"] = xr.Variable(("way", "theory"), values, attributes)
+        found[f"theory_{name}"] = xr.Variable(dims, values, attributes)
     found |= {name: own[name].variable for name in CRITERIA}
     named = {"units": "1", "long_name": "theory"}
     ways_named = {"units": "1", "long_name": "branch of the theory"}

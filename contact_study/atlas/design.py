@@ -10,10 +10,10 @@ from functools import cached_property
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LAWS, TractionLaw
-from contact_study.physics.process_zone import process_zone, resolving_shape
+from contact_study.physics.process_zone import jump_number, process_zone, resolving_shape
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer
-from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
+from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.study.schema.modes import Modes, spectrum_of_modes
 from contact_study.study.uncertainty import Distribution, Uncertainty
 
@@ -100,9 +100,7 @@ class Condition:
     @property
     def jump_ratio(self) -> float:
         """Maugis' λ of the mean asperity over that from which one jumps."""
-        radius, law = 2 / self.spectrum.rms_laplacian, self.traction_law
-        number = maugis_parameter(radius, MODULUS, self.work_of_adhesion, law.peak_tensile_stress)
-        return float(number) / law.jump_onset
+        return jump_number(2 / self.spectrum.rms_laplacian, MODULUS, self.traction_law)
 
     @cached_property
     def points(self) -> int:

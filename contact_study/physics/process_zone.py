@@ -30,6 +30,17 @@ def process_zone(contact_modulus: float, law: TractionLaw) -> float:
     return contact_modulus * law.work_of_adhesion / law.peak_tensile_stress**2
 
 
+def jump_number(radius: float, contact_modulus: float, law: TractionLaw) -> float:
+    """Return x, Maugis' λ of an asperity of a radius (m) over that from which one jumps, 0 without attraction.
+
+    Its square is JKR's radius without load over the process zone, but for a factor of the law.
+    """
+    if not law.attracts:
+        return 0.0
+    number = maugis_parameter(radius, contact_modulus, law.work_of_adhesion, law.peak_tensile_stress)
+    return float(number) / law.jump_onset
+
+
 def resolves(spacing: float, zone: float) -> bool:
     """Return whether a grid spacing (m) resolves a process zone (m)."""
     return spacing * POINTS_PER_PROCESS_ZONE <= zone

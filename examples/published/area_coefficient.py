@@ -12,7 +12,7 @@ import numpy as np
 
 import contact_study
 from bem_adhesion import HardWall, rough_contact
-from contact_study.results.observables import OVERCOUNT, edge_sides
+from contact_study.results.observables import corrected_area
 
 size, points, seeds, modulus, pressure = 1e-6, 1024, (1, 2, 3), 1e9, 0.03
 study = {
@@ -29,8 +29,7 @@ for case in contact_study.make_study(study).cases:
     surface = contact_study.realise(case)
     contact = rough_contact(surface.sampled, size, modulus, HardWall())
     state = contact.step(contact.separated(), pressure * surface.rms_slope * modulus)
-    touching = state.pressure > 0
-    area = touching.mean() - OVERCOUNT * sum(edge_sides(touching)) / touching.size
+    area = corrected_area(state.pressure > 0)
     # m0 m4 / m2² of an isotropic surface; rms_curvature is half of the rms Laplacian.
     breadth = 6 * (surface.rms_height * surface.roughness.rms_curvature) ** 2 / surface.rms_slope**4
     key = case.surface.hurst_exponent, case.surface.cutoff_mode / case.surface.roll_off_mode

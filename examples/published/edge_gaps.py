@@ -12,7 +12,7 @@ import numpy as np
 
 import contact_study
 from bem_adhesion import HardWall, rough_contact
-from contact_study.results.observables import OVERCOUNT, edge_sides
+from contact_study.results.observables import corrected_area, edge_sides
 
 size, points, seeds, modulus = 1e-6, 2048, (1, 2, 3), 1e9
 study = {
@@ -42,9 +42,9 @@ for pressure in (0.02, 0.05):
         contact = rough_contact(surface.sampled, size, modulus, HardWall())
         state = contact.step(contact.separated(), pressure * surface.rms_slope * modulus)
         touching = state.pressure > 0
-        sides = sum(edge_sides(touching))
-        areas.append(touching.mean() - OVERCOUNT * sides / touching.size)
-        diameter = 4 * areas[-1] * size**2 / (np.pi / 4 * sides * size / points)  # 4 A/perimeter
+        sides = edge_sides(touching)
+        areas.append(corrected_area(touching, sides))
+        diameter = 4 * areas[-1] * size**2 / (np.pi / 4 * sum(sides) * size / points)  # 4 A/perimeter
         gaps = state.gap[~touching] / (surface.rms_slope * diameter)
         densities.append(np.histogram(gaps, edges)[0] / np.diff(edges) / touching.size)
         exponents.append(np.polyfit(np.log(middle[fitted]), np.log(densities[-1][fitted]), 1)[0])

@@ -12,7 +12,7 @@ import numpy as np
 
 import contact_study
 from bem_adhesion import HardWall, rough_contact
-from contact_study.results.observables import OVERCOUNT, edge_sides
+from contact_study.results.observables import corrected_area
 from contact_study.results.observables.clusters import channels
 from contact_study.results.observables.leakage import hydraulic_gaps
 
@@ -27,11 +27,6 @@ study = {
 }
 
 
-def area(contact):
-    """Relative area, corrected for the grid."""
-    return contact.mean() - OVERCOUNT * sum(edge_sides(contact)) / contact.size
-
-
 def closing(contact_at, low, high):
     """Areas at which the gap closes along y and along x: loads are halved eight times."""
     found = []
@@ -39,7 +34,7 @@ def closing(contact_at, low, high):
         for _ in range(8):
             middle = 0.5 * sum(ends)
             ends[0 if channels(~contact_at(middle))[axis].any() else 1] = middle
-        found.append(0.5 * sum(area(contact_at(end)) for end in ends))
+        found.append(0.5 * sum(corrected_area(contact_at(end)) for end in ends))
     return found
 
 
@@ -69,12 +64,12 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(8.4, 3.5), layout="constrain
 last, closed = open_states[0][-1], open_states[0][-1].pressure > 0
 gaps = np.ma.masked_where(closed, 1e9 * last.gap)
 image = left.imshow(gaps, norm="log", vmin=1e-3, origin="lower", extent=(0, 1) * 2)
-left.set(xlabel="x / L", ylabel="y / L", title=f"last channel along x, contact area {area(closed):.2f}")
+left.set(xlabel="x / L", ylabel="y / L", title=f"last channel along x, contact area {corrected_area(closed):.2f}")
 figure.colorbar(image, ax=left, label="gap (nm), contact white")
 for path in open_states[:6]:
     films = [np.where(state.pressure > 0, 0.0, state.gap) for state in path]
     leaks = [1e9 * hydraulic_gaps(film, (size / points, size / points))[1] for film in films]
-    right.semilogy([area(film == 0) for film in films], leaks, ".-", lw=0.8)
+    right.semilogy([corrected_area(film == 0) for film in films], leaks, ".-", lw=0.8)
 right.axvline(0.415, color="0.4", ls=":")  # published
 right.set(xlabel="relative contact area", ylabel="hydraulic gap along x (nm)", title="dotted: published closing area")
 figure.savefig("percolation.png", dpi=150)

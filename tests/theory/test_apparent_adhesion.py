@@ -5,39 +5,41 @@ import pytest
 
 from contact_study.physics.laws import Dugdale, ExponentialCore, LennardJones104
 from contact_study.physics.laws.lennard_jones import Repulsive
+from contact_study.physics.process_zone import jump_number
 from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
 from scripts import jump_onset
 from theory import JKR, SelfAffineSpectrum, apparent_adhesion, edge_flow
-from theory.edge_flow.apparent_adhesion import jump_number, stronger
+from theory.edge_flow.apparent_adhesion import stronger
 from theory.gap_flow.state import PressureCurve
 
 SPECTRUM = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
 MODULUS = 93.7e9
+RADIUS = 2 / SPECTRUM.rms_laplacian
 
 
 def law_of(ratio):
     """The law whose mean asperity has a given x."""
     law = LennardJones104(0.5, 3e-10)
     # x goes with the two thirds power of Δγ.
-    return stronger(law, (ratio / jump_number(SPECTRUM, MODULUS, law)) ** 1.5)
+    return stronger(law, (ratio / jump_number(RADIUS, MODULUS, law)) ** 1.5)
 
 
 def test_the_number_is_maugis_over_its_onset():
     law = LennardJones104(0.5, 3e-10)
-    tabor = tabor_parameter(2 / SPECTRUM.rms_laplacian, MODULUS, 0.5, law.length)
-    assert jump_number(SPECTRUM, MODULUS, law) == pytest.approx(2.125 * tabor / 0.96, rel=1e-3)
+    tabor = tabor_parameter(RADIUS, MODULUS, 0.5, law.length)
+    assert jump_number(RADIUS, MODULUS, law) == pytest.approx(2.125 * tabor / 0.96, rel=1e-3)
     walls = {Dugdale(0.5, 3e-10): 0.89, ExponentialCore(0.5, 3e-10, 3e-10, 1e-11): 1.14}
     for wall, onset in walls.items():
         assert wall.jump_onset == onset
-    assert jump_number(SPECTRUM, MODULUS, Repulsive(0.0, 3e-10, 0.05)) == 0.0
+    assert jump_number(RADIUS, MODULUS, Repulsive(0.0, 3e-10, 0.05)) == 0.0
 
 
 def test_its_square_is_the_radius_of_contact_over_the_process_zone():
     """λ² = (9/2)^(1/3)/π a₀/ℓ, with JKR's a₀ without load and ℓ = E*Δγ/σ²."""
     law = LennardJones104(0.5, 3e-10)
-    radius = JKR(2 / SPECTRUM.rms_laplacian, MODULUS, 0.5).at_force(0.0)[2]
+    radius = JKR(RADIUS, MODULUS, 0.5).at_force(0.0)[2]
     zone = MODULUS * 0.5 / law.peak_tensile_stress**2
-    squared = (0.96 * jump_number(SPECTRUM, MODULUS, law)) ** 2
+    squared = (0.96 * jump_number(RADIUS, MODULUS, law)) ** 2
     assert squared == pytest.approx(4.5 ** (1 / 3) / np.pi * radius / zone)
 
 

@@ -11,47 +11,30 @@ number k are chosen on one half of the contact atlas' jumping conditions; the ot
 
 from dataclasses import replace
 
+import numpy as np
+
 from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.process_zone import jump_number
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
-from contact_study.physics.spheres.numbers import maugis_parameter
 
 GROWTH = 0.08  # k, from ``python -m scripts.validate_hysteresis fit``
 # Mean size of the relative error of the area on each branch, on the half that judges: ``... branches``.
 AREA_ERRORS = {"loading": 0.06, "unloading": 0.06}
 
 
-def jump_number(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw) -> float:
-    """Return x, Maugis' λ of the mean asperity, of radius 2/rms ∇²h, over that from which one asperity jumps.
-
-    Parameters
-    ----------
-    spectrum, elasticity, law
-        As for :func:`theory.edge_flow`.
-
-    Returns
-    -------
-    float
-        0 of a law without attraction.
-    """
-    if not law.attracts:
-        return 0.0
-    radius, modulus = 2 / spectrum.rms_laplacian, elasticity_of(elasticity).contact_modulus
-    number = maugis_parameter(radius, modulus, law.work_of_adhesion, law.peak_tensile_stress)
-    return float(number) / law.jump_onset
+def adhesion_ratio(number: np.ndarray | float, growth: float = GROWTH) -> np.ndarray | float:
+    """Return Γ of x, Maugis' λ of the mean asperity over that from which one jumps; ``growth`` is k."""
+    return 1.0 + growth * np.maximum(np.square(number) - 1.0, 0.0)
 
 
-def apparent_adhesion(
-    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw, growth: float = GROWTH
-) -> float:
+def apparent_adhesion(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw) -> float:
     """Return Γ, the apparent work of adhesion on unloading over that on loading; this project's own, unpublished.
 
     Parameters
     ----------
     spectrum, elasticity, law
         As for :func:`theory.edge_flow`.
-    growth : float, optional
-        k in Γ = 1 + k (x² − 1)₊.
 
     Returns
     -------
@@ -65,7 +48,8 @@ def apparent_adhesion(
     >>> apparent_adhesion(spectrum, 93.7e9, LennardJones104(work_of_adhesion=0.1, length=3.28e-10))
     1.0
     """
-    return 1.0 + growth * max(jump_number(spectrum, elasticity, law) ** 2 - 1.0, 0.0)
+    radius, modulus = 2 / spectrum.rms_laplacian, elasticity_of(elasticity).contact_modulus
+    return float(adhesion_ratio(jump_number(radius, modulus, law)))
 
 
 def stronger(law: TractionLaw, ratio: float) -> TractionLaw:

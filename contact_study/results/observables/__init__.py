@@ -4,7 +4,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from contact_study.numerics.distributions import Bins
-from contact_study.results.observables.area import AREA, OVERCOUNT, edge_sides
+from contact_study.results.observables.area import AREA, OVERCOUNT, corrected_area, edge_sides
 from contact_study.results.observables.autocorrelation import (
     AUTOCORRELATION,
     RELATIVE_DISTANCE,
@@ -46,6 +46,7 @@ __all__ = [
     "SOLVER_REPORT",
     "cluster_map",
     "contact_autocorrelation",
+    "corrected_area",
     "edge_sides",
     "observed",
     "options_of",

@@ -21,12 +21,17 @@ def edge_sides(contact: np.ndarray, periodic: bool = True) -> tuple[int, int]:
     return along_x, along_y
 
 
+def corrected_area(contact: np.ndarray, sides: tuple[int, int] | None = None) -> float:
+    """Area of a contact map over the nominal one, corrected by the sides of its edge, by default a periodic map's."""
+    return max(float(np.mean(contact)) - OVERCOUNT * sum(sides or edge_sides(contact)) / contact.size, 0.0)
+
+
 def _area(state: InterfaceState, _: Bins) -> dict[str, Value]:
     areas = {"contact": state.contact, "repulsive": state.pressure > 0}
     sides = {kind: edge_sides(area, state.periodic) for kind, area in areas.items()}
     values: dict[str, Value] = {f"relative_{kind}_area": float(np.mean(area)) for kind, area in areas.items()}
     for kind, area in areas.items():
-        values[f"corrected_{kind}_area"] = max(float(np.mean(area)) - OVERCOUNT * sum(sides[kind]) / area.size, 0.0)
+        values[f"corrected_{kind}_area"] = corrected_area(area, sides[kind])
     if state.spacing is not None:
         dy, dx = state.spacing
         along_x, along_y = sides["contact"]
