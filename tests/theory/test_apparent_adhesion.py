@@ -7,12 +7,13 @@ from contact_study.physics.laws import Dugdale, ExponentialCore, LennardJones104
 from contact_study.physics.laws.lennard_jones import Repulsive
 from contact_study.physics.process_zone import jump_number
 from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
-from scripts import jump_onset
+from scripts import contact_atlas, jump_onset, validate_hysteresis
 from theory import JKR, SelfAffineSpectrum, apparent_adhesion, edge_flow
-from theory.edge_flow.apparent_adhesion import stronger
+from theory.edge_flow.apparent_adhesion import LARGEST_SIMULATED, Extrapolated, adhesion_ratio, stronger
 from theory.gap_flow.state import PressureCurve
 
 SPECTRUM = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
+PAPER = SelfAffineSpectrum(0.8, 1e-9, 2 * np.pi / 1040e-10, 6 * np.pi / 1040e-10, 24 * np.pi / 1040e-10)
 MODULUS = 93.7e9
 RADIUS = 2 / SPECTRUM.rms_laplacian
 
@@ -48,10 +49,21 @@ def test_the_apparent_adhesion_rises_with_the_square(ratio, expected):
     assert apparent_adhesion(SPECTRUM, MODULUS, law_of(ratio)) == pytest.approx(expected, abs=1e-9)
 
 
+def test_beyond_simulated_loops_it_warns():
+    judged = contact_atlas.read(validate_hysteresis.JUMPING_DATA)["apparent_adhesion_ratio"].max()
+    strongest = adhesion_ratio(jump_number(2 / PAPER.rms_laplacian, 93.7348e9, LennardJones104(6 * 0.6924, 3.28e-10)))
+    assert adhesion_ratio(LARGEST_SIMULATED - 0.05) < max(judged, strongest) <= adhesion_ratio(LARGEST_SIMULATED)
+    apparent_adhesion(SPECTRUM, MODULUS, law_of(LARGEST_SIMULATED - 1e-6))
+    words = r"x = 3 for the mean asperity, simulated loops end at 2\.25; check Γ = 1\.64 and the unloading branch by"
+    with pytest.warns(Extrapolated, match=words):
+        assert apparent_adhesion(SPECTRUM, MODULUS, law_of(3.0)) == pytest.approx(1.64)
+    with pytest.raises(Extrapolated, match=words):  # warnings are errors here
+        edge_flow(SPECTRUM, MODULUS, law_of(3.0), branch="unloading")
+
+
 def test_it_agrees_with_branches_of_other_spectra():
     """Simulated areas of the paper's surface on unloading ask for Γ = 1.12 at 4 and 1.43 at 6 ε₀, 1.00 to 1.02 at 2."""
-    paper = SelfAffineSpectrum(0.8, 1e-9, 2 * np.pi / 1040e-10, 6 * np.pi / 1040e-10, 24 * np.pi / 1040e-10)
-    found = [apparent_adhesion(paper, 93.7348e9, LennardJones104(0.6924 * ratio, 3.28e-10)) for ratio in (1, 2, 4, 6)]
+    found = [apparent_adhesion(PAPER, 93.7348e9, LennardJones104(0.6924 * ratio, 3.28e-10)) for ratio in (1, 2, 4, 6)]
     assert found[0] == 1
     # The spread of Γ over pressure and surfaces is a third of its excess.
     np.testing.assert_allclose(found[1:], [1.01, 1.12, 1.43], atol=0.13)

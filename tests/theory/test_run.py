@@ -16,6 +16,7 @@ from contact_study.study.study import make_study
 from tests.recording import bins_of_case, recorded_path
 from tests.study.test_study import SURFACE, of_another_kind
 from theory.criteria import stickiness
+from theory.edge_flow.apparent_adhesion import AREA_ERRORS, Extrapolated
 from theory.edge_flow.flow import edge_flow
 from theory.gap_flow.flow import gap_flow
 from theory.non_adhesive import closed_forms
@@ -96,6 +97,8 @@ def test_branches_of_the_edge_flow():
     case = case_of("1 GPa", flows="edge_flow", interaction={"well_depth_ratio": 6})
     constants, steps = constants_of(case), steps_of(case)
     assert constants["apparent_adhesion_ratio"] > 1
+    assert constants["edge_flow/area_error_in_atlas"] == AREA_ERRORS["loading"]
+    assert constants["edge_flow/unloading/area_error_in_atlas"] == AREA_ERRORS["unloading"]
     assert constants["edge_flow/unloading/pull_off_pressure"] < constants["edge_flow/loading/pull_off_pressure"] < 0
     assert constants["edge_flow/unloading/work_of_separation"] > constants["edge_flow/work_of_separation"] > 0
     for step in steps:
@@ -103,6 +106,13 @@ def test_branches_of_the_edge_flow():
             step.values[f"edge_flow{branch}/relative_contact_area"] for branch in ("", "/loading", "/unloading")
         )
         assert unloading > loading == area
+
+
+def test_beyond_simulated_loops_the_edge_flow_warns_and_has_no_error():
+    case = case_of("1 GPa", flows="edge_flow", interaction={"well_depth_ratio": 9})
+    theories = case_theories.CaseTheories(case, realise(case).spectrum)
+    with pytest.warns(Extrapolated, match=r"x = 2\.52 .* end at 2\.25; check Γ = 1\.43"):
+        assert np.isnan([theories.area_error(branch) for branch in AREA_ERRORS]).all()
 
 
 def test_values_are_consistent(case, steps):

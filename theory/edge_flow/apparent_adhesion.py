@@ -9,6 +9,7 @@ x² is JKR's contact radius over the length of the process zone, over its value 
 number k are chosen on one half of the contact atlas' jumping conditions; the other half judges them.
 """
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +22,12 @@ from contact_study.physics.solids import Elasticity, elasticity_of
 GROWTH = 0.08  # k, from ``python -m scripts.validate_hysteresis fit``
 # Mean size of the relative error of the area on each branch, on the half that judges: ``... branches``.
 AREA_ERRORS = {"loading": 0.06, "unloading": 0.06}
+# Simulated loops have judged Γ up to this x: 2.12 in the atlas, 2.22 on the paper's surface at six times its adhesion.
+LARGEST_SIMULATED = 2.25
+
+
+class Extrapolated(UserWarning):
+    """An apparent work of adhesion at an x beyond all simulated loops."""
 
 
 def adhesion_ratio(number: np.ndarray | float, growth: float = GROWTH) -> np.ndarray | float:
@@ -30,6 +37,8 @@ def adhesion_ratio(number: np.ndarray | float, growth: float = GROWTH) -> np.nda
 
 def apparent_adhesion(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw) -> float:
     """Return Γ, the apparent work of adhesion on unloading over that on loading; this project's own, unpublished.
+
+    Warns (:class:`Extrapolated`) where x is beyond all simulated loops, as it is for rubber.
 
     Parameters
     ----------
@@ -49,7 +58,13 @@ def apparent_adhesion(spectrum: RoughnessSpectrum, elasticity: Elasticity | floa
     1.0
     """
     radius, modulus = 2 / spectrum.rms_laplacian, elasticity_of(elasticity).contact_modulus
-    return float(adhesion_ratio(jump_number(radius, modulus, law)))
+    number = jump_number(radius, modulus, law)
+    ratio = float(adhesion_ratio(number))
+    if number > LARGEST_SIMULATED:
+        where = f"x = {number:.3g} for the mean asperity, simulated loops end at {LARGEST_SIMULATED:g}"
+        advice = f"check Γ = {ratio:.3g} and the unloading branch by a simulation"
+        warnings.warn(f"apparent adhesion: {where}; {advice}", Extrapolated, stacklevel=2)
+    return ratio
 
 
 def stronger(law: TractionLaw, ratio: float) -> TractionLaw:

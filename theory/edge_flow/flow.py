@@ -198,7 +198,7 @@ def edge_flow(
     kernel, options : tuple of float, EdgeFlowOptions, optional
         Slope s, level t and pole b of κ(X) = s X + t + (1 − t) b/(X + b) on a half-space; numerical choices.
     branch : str, optional
-        ``"loading"``, or ``"unloading"`` with the work of adhesion of :func:`apparent_adhesion`.
+        ``"loading"``, or ``"unloading"`` with the work of adhesion of :func:`apparent_adhesion`, which may warn.
 
     Returns
     -------

@@ -14,8 +14,14 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.schema import SPECTRUM_MARK
 from contact_study.study.case import Case
-from theory.edge_flow.apparent_adhesion import apparent_adhesion
-from theory.edge_flow.flow import EDGE_FLOW_BRANCHES, EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, edge_flow
+from theory.edge_flow.apparent_adhesion import (
+    AREA_ERRORS,
+    LARGEST_SIMULATED,
+    adhesion_ratio,
+    apparent_adhesion,
+    stronger,
+)
+from theory.edge_flow.flow import EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, edge_flow
 from theory.gap_flow.flow import BRANCHES, GAP_FLOW_GAPS, GAP_FLOW_SCALES, GapFlow, gap_flow
 from theory.gap_flow.state import GapState
 from theory.numerics.background import BackgroundExecutor, BackgroundTask
@@ -103,31 +109,39 @@ class CaseTheories:
             flows = tuple(begun.result() for begun in self._edge_flows_begun)
         except ValueError as error:
             raise InputError(_too_close(self.case, str(error).rpartition(": ")[2])) from None
-        return flows if len(flows) != 1 else (*flows, replace(flows[0], branch="unloading"))
+        return (flows[0], replace(flows[-1], branch="unloading")) if flows else ()
 
     @cached_property
     def apparent_adhesion(self) -> float:
         """Work of adhesion on unloading over that on loading."""
-        return apparent_adhesion(self.spectrum, self.case.solid, self.case.law)
+        with self.naming_the_spectrum():
+            return apparent_adhesion(self.spectrum, self.case.solid, self.case.law)
+
+    def area_error(self, branch: str) -> float:
+        """Relative error of the edge flow's area in the atlas; NaN beyond all simulated loops."""
+        return AREA_ERRORS[branch] if self.apparent_adhesion <= adhesion_ratio(LARGEST_SIMULATED) else np.nan
 
     @cached_property
     def _edge_flows_begun(self) -> tuple[BackgroundTask[EdgeFlow], ...]:
-        """Both branches, or one where they are the same."""
+        """The curves of both branches, or one where they are the same."""
         case = self.case
         if case.law.has_wall or not case.theory.has("edge_flow"):
             return ()
-        branches = EDGE_FLOW_BRANCHES if self.apparent_adhesion > 1 else EDGE_FLOW_BRANCHES[:1]
+        ratio = self.apparent_adhesion
+        laws = (case.law, stronger(case.law, ratio)) if ratio > 1 else (case.law,)
         asked = np.array([value for value, _ in case.path])
         nodes, scales = EDGE_FLOW_GAPS // self.coarsening, EDGE_FLOW_SCALES // self.coarsening
-        flow = partial(edge_flow, self.spectrum, case.solid, case.law, gaps=nodes, scales=scales)
+        flow = partial(edge_flow, self.spectrum, case.solid, gaps=nodes, scales=scales)
         if case.loading.control == "pressure":
             # Up to nearly full contact: beyond the pull-off, wherever that is.
             stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
-            flow = partial(flow, max(_RESERVE * asked.max(), float(stress)))
+            flow = partial(flow, highest_pressure=max(_RESERVE * asked.max(), float(stress)))
         else:
             reached = asked + case.law.equilibrium_distance
-            flow = partial(flow, 0.0, float(reached.max()), float(reached.min()))
-        return tuple(self.ahead.begin(partial(flow, branch=branch)) for branch in branches)
+            farthest, closest = float(reached.max()), float(reached.min())
+            flow = partial(flow, highest_pressure=0.0, largest_gap=farthest, smallest_gap=closest)
+        # Threads do not warn: the law of unloading is made here.
+        return tuple(self.ahead.begin(partial(flow, law=law)) for law in laws)
 
 
 def _states_along(case: Case, begun: BackgroundTask[GapFlow]) -> list[GapState | None]:

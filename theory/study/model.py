@@ -17,7 +17,7 @@ from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from theory.criteria import local_tabor_number, range_of, stickiness
-from theory.edge_flow.apparent_adhesion import AREA_ERRORS
+from theory.edge_flow.apparent_adhesion import Extrapolated
 from theory.gap_flow.state import PressureCurve
 from theory.persson.separation import NegativeSeparation, NotConverged, energy_defect, pull_off_pressure
 from theory.study import paths
@@ -139,7 +139,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         pulled |= {name: flow.pull_off_pressure for name, flow in named}
         values |= {theories.named(f"{name}/pull_off_pressure"): pressure for name, pressure in pulled.items()}
         values |= {theories.named(f"{name}/work_of_separation"): flow.work_of_separation for name, flow in named}
-        errors_by_name = {name: AREA_ERRORS[flow.branch] for flow in theories.edge_flows for name in flow.names}
+        errors_by_name = {name: theories.area_error(flow.branch) for flow in theories.edge_flows for name in flow.names}
         values |= {theories.named(f"{name}/area_error_in_atlas"): error for name, error in errors_by_name.items()}
     return values
 
@@ -200,7 +200,7 @@ def _quietly(values: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Values of coarse theories without their warnings, which the fine ones repeat where they matter."""
     while True:
         with warnings.catch_warnings():
-            for kind in (NotConverged, NegativeSeparation):
+            for kind in (NotConverged, NegativeSeparation, Extrapolated):
                 warnings.simplefilter("ignore", kind)
             found = next(values, None)
         if found is None:
