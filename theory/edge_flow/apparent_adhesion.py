@@ -38,7 +38,7 @@ def adhesion_ratio(number: np.ndarray | float, growth: float = GROWTH) -> np.nda
 def apparent_adhesion(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw) -> float:
     """Return Γ, the apparent work of adhesion on unloading over that on loading; this project's own, unpublished.
 
-    Warns (:class:`Extrapolated`) where x is beyond all simulated loops, as it is for rubber.
+    Warns (:class:`Extrapolated`) where x is beyond all simulated loops, as for rubber with an atomic range.
 
     Parameters
     ----------
