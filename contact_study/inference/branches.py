@@ -7,6 +7,7 @@ import numpy as np
 from contact_study.numerics.kernel import kernel
 
 _TINY = 1e-300
+_BLOCK = 16  # segments of a polyline in one box
 
 
 class Branch(NamedTuple):
@@ -85,18 +86,36 @@ def nearest(points: np.ndarray, lines: list[np.ndarray], errors: np.ndarray) -> 
 
 @kernel
 def _nearest(points, ends, ways, inverse, found):
-    axes = points.shape[1]
+    axes, count = points.shape[1], ends.shape[0]
+    blocks = (count + _BLOCK - 1) // _BLOCK
+    low, high = np.empty((blocks, axes)), np.empty((blocks, axes))  # boxes around the segments of each block
+    for block in range(blocks):
+        for axis in range(axes):
+            least, most = np.inf, -np.inf
+            for v in range(block * _BLOCK, min(block * _BLOCK + _BLOCK, count)):
+                least = min(least, ends[v, axis], ends[v, axis] - ways[v, axis])
+                most = max(most, ends[v, axis], ends[v, axis] - ways[v, axis])
+            low[block, axis], high[block, axis] = least, most
+    close = 0
     for p in range(points.shape[0]):
-        best, close, far = np.inf, 0, 0.0
-        for v in range(ends.shape[0]):
-            back = 0.0
+        # Measured points follow each other: the block of the last one comes first and rules out most others.
+        first, best, far = close // _BLOCK, np.inf, 0.0
+        for turn in range(blocks):
+            block = first if turn == 0 else turn - 1 if turn <= first else turn
+            outside = 0.0
             for axis in range(axes):
-                back += ways[v, axis] * (ends[v, axis] - points[p, axis])
-            back = min(max(back * inverse[v], 0.0), 1.0)
-            distance = 0.0
-            for axis in range(axes):
-                distance += (points[p, axis] - ends[v, axis] + back * ways[v, axis]) ** 2
-            if distance < best:
-                best, close, far = distance, v, back
+                outside += max(low[block, axis] - points[p, axis], points[p, axis] - high[block, axis], 0.0) ** 2
+            if outside > best:
+                continue
+            for v in range(block * _BLOCK, min(block * _BLOCK + _BLOCK, count)):
+                back = 0.0
+                for axis in range(axes):
+                    back += ways[v, axis] * (ends[v, axis] - points[p, axis])
+                back = min(max(back * inverse[v], 0.0), 1.0)
+                distance = 0.0
+                for axis in range(axes):
+                    distance += (points[p, axis] - ends[v, axis] + back * ways[v, axis]) ** 2
+                if distance < best:
+                    best, close, far = distance, v, back
         for axis in range(axes):
             found[p, axis] = ends[close, axis] - far * ways[close, axis]

@@ -96,7 +96,7 @@ def minimise(problem: Problem, start: np.ndarray, held: Mapping[int, float] | No
     found = least_squares(
         lambda part: problem.residuals(at(part)),
         whole[moving],
-        jac=lambda part: problem.jacobian(at(part))[:, moving],
+        jac=lambda part: problem.jacobian(at(part), moving),
         bounds=(low[moving], high[moving]),
         x_scale="jac",
         xtol=1e-6,

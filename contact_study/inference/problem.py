@@ -108,6 +108,7 @@ class Problem:
                     self.free.append(Free(name, number, unit, -np.inf, np.inf))
         self.start = np.array([one.coordinate(start[one.label]) for one in self.free])
         self.errors = [curve.errors.copy() for curve in curves]
+        self._asked, self._found = b"", np.empty(0)
 
     @property
     def data(self) -> int:
@@ -156,8 +157,11 @@ class Problem:
 
     def residuals(self, u: np.ndarray) -> np.ndarray:
         """Distances of the points from the model in units of their errors, of the pull-off, and from priors."""
-        parts = [self._of_curve(u, number) for number in range(len(self.curves))]
-        return np.concatenate([*parts, self._of_priors(u)])
+        asked = b"".join(one.tobytes() for one in (u, *self.errors))
+        if asked != self._asked:  # a fit asks for the value at a point, and again for the slopes there
+            parts = [self._of_curve(u, number) for number in range(len(self.curves))]
+            self._asked, self._found = asked, np.concatenate([*parts, self._of_priors(u)])
+        return self._found
 
     def signed(self, u: np.ndarray, number: int) -> np.ndarray:
         """Distance of each point of a curve from the model in its errors, with the sign of the force's residual."""
@@ -171,10 +175,10 @@ class Problem:
         priors = self._of_priors(u).size
         return float((found[: found.size - priors] ** 2).sum()), float((found[found.size - priors :] ** 2).sum())
 
-    def jacobian(self, u: np.ndarray) -> np.ndarray:
-        """Derivatives of the residuals by differences, shape (residuals, coordinates)."""
+    def jacobian(self, u: np.ndarray, moving: Sequence[int] | None = None) -> np.ndarray:
+        """Derivatives of the residuals by differences, shape (residuals, coordinates), by all coordinates or some."""
         base, columns = self.residuals(u), []
-        for number in range(u.size):
+        for number in range(u.size) if moving is None else moving:
             step = np.zeros(u.size)
             step[number] = _STEP
             columns.append((self.residuals(u + step) - base) / step[number])

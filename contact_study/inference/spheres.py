@@ -1,6 +1,7 @@
 """Theories of a smooth sphere as models of a measured curve."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -85,12 +86,18 @@ class SphereModel:
     def _maugis(self, constants: Mapping[str, float], push: float) -> np.ndarray:
         work, radius = constants[WORK], constants[RADIUS]
         theory = MaugisDugdale(radius, constants[MODULUS], work, work / constants[RANGE])
-        place = np.linspace(-9.0, 34.0, _DENSE)
-        force, _, a = theory.states(place)
+        place, force, a = _uneven(theory)
         least = int(np.argmin(force))
         last = min(least + int(np.searchsorted(force[least:], push)) + 1, _DENSE - 1)
         even = np.interp(np.linspace(a[0], a[last], _STATES), a[: last + 1], place[: last + 1])
         return _states(theory, np.concatenate([np.linspace(-10.0, -9.0, _BEFORE)[:-1], even]))
+
+
+@lru_cache(maxsize=8)  # slopes along offsets have the constants of the value beside them
+def _uneven(theory: MaugisDugdale) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    place = np.linspace(-9.0, 34.0, _DENSE)
+    force, _, radius = theory.states(place)
+    return place, force, radius
 
 
 def _states(theory: SphereTheory, places: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ D. Maugis, J. Colloid Interface Sci. 150, 243–269 (1992).
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -83,7 +84,7 @@ class MaugisDugdale(SphereTheory):
         """Make the sphere of a λ in Maugis' units, in which πwR, the contact radius's and δ's unit are 1."""
         return cls(1.0, 0.75, 1 / np.pi, parameter / 2)
 
-    @property
+    @cached_property
     def parameter(self) -> float:
         """λ of :func:`maugis_parameter`."""
         return float(maugis_parameter(self.radius, self.contact_modulus, self.work_of_adhesion, self.strength))
