@@ -121,7 +121,7 @@ def fit(problem: Problem, starts: Sequence[np.ndarray]) -> Fit:
     Fit
         Without profiles.
     """
-    from scipy.stats import chi2, t  # slow to import
+    from scipy.special import chdtri, stdtrit
 
     ranked = sorted(starts, key=lambda start: sum(problem.cost(start)))
     found = [minimise(problem, start) for start in ranked[:2]]
@@ -140,7 +140,7 @@ def fit(problem: Problem, starts: Sequence[np.ndarray]) -> Fit:
     misfit = priors + (squares if known else problem.data * float(np.log(squares * scale**2 / problem.data)))
     jacobian = problem.jacobian(best)
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
-    threshold = chi2.ppf(CONFIDENCE, 1) if known else t.ppf(0.5 + CONFIDENCE / 2, freedom) ** 2
+    threshold = chdtri(1, 1 - CONFIDENCE) if known else stdtrit(freedom, 0.5 + CONFIDENCE / 2) ** 2
     return Fit(problem, best, covariance, misfit, squares * scale**2 / freedom, float(threshold))
 
 

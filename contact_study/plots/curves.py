@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from scipy.integrate import trapezoid
 
 from contact_study.plots import style
 from contact_study.plots.paths import Curve, Look, draw_path
@@ -93,7 +92,7 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     work of separation is named. Where the steps of the path were its own, all states they passed are shown.
     """
     prescribed, (loading, unloading), (shared, forth, back) = _loop(dataset)
-    energy = float(trapezoid(forth - back, shared))
+    energy = _enclosed(shared, forth, back)
     pressure = style.pressure_unit(style.largest(dataset["mean_pressure"]))
     length = style.length_unit(style.largest(dataset["mean_separation"]))
     axes = axes_of(axes)
@@ -134,7 +133,12 @@ def dissipated_energy(dataset: xr.Dataset) -> float:
     as exact as these are dense where the contact jumps. Raises ValueError if there is more than one point of the sweep,
     no unloading, or nothing that both branches pass.
     """
-    shared, forth, back = _loop(dataset)[-1]
+    return _enclosed(*_loop(dataset)[-1])
+
+
+def _enclosed(shared: np.ndarray, forth: np.ndarray, back: np.ndarray) -> float:
+    from scipy.integrate import trapezoid  # slow to import
+
     return float(trapezoid(forth - back, shared))
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.ndimage import map_coordinates
 
 from contact_study.plots.style import force_unit, length_unit, pressure_unit
 from contact_study.results.schema import BY_ATOM
@@ -100,6 +99,8 @@ def along_line(
     Heights and gaps are bilinear between grid points; contact is that of the nearest one. A line may leave a periodic
     cell; beyond the edge of another one all is as at the edge. As many points as the line is grid spacings long.
     """
+    from scipy.ndimage import map_coordinates  # slow to import
+
     shape, size = state["gap"].shape, extent(state)
     ends = np.array([start, end])
     spacing = np.array(size) / shape

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from scipy.special import ndtr, ndtri
-from scipy.stats import qmc
 
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import quantity
@@ -95,6 +94,8 @@ class Uncertainty:
 @lru_cache(maxsize=4)
 def _sobol(dimensions: int, seed: int, count: int) -> np.ndarray:
     """The first points of a scrambled Sobol sequence, shape (count, dimensions), none at 0 or 1."""
+    from scipy.stats import qmc  # slow to import
+
     power = max(0, math.ceil(math.log2(max(count, 1))))
     points = qmc.Sobol(dimensions, seed=np.random.default_rng(seed)).random_base2(power)[:count]
     return np.clip(points, 1e-12, 1 - 1e-12)
