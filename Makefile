@@ -89,7 +89,7 @@ docs-tables: env
 	$(BIN)/python -m scripts.docs_tables
 
 docs-check: env
-	$(BIN)/python -m scripts.reproduce_yang2008 --preset quick
+	$(MAKE) paper PRESET=quick
 	$(BIN)/python -m scripts.docs_tables --check
 
 clean:

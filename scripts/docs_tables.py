@@ -16,12 +16,17 @@ numbers to one unit of their last digit, counts exactly or to the margin that th
 """
 
 import argparse
+import importlib
 import itertools
+import multiprocessing
+import os
 import re
 import shlex
 import subprocess
 import sys
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,6 +38,7 @@ _BLOCK = re.compile(
     re.DOTALL,
 )
 _MARKER = re.compile(r"<!-- (?:end|.*\btable\b).*?-->")
+_COMMON = ("contact_study.plots", "netCDF4")  # imports that most scripts leave for later
 _NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?: %)?")
 
 
@@ -112,27 +118,60 @@ def output_of(command: str) -> str:
     """What a command prints; ``python`` is this interpreter."""
     words = shlex.split(command)
     program = sys.executable if words[0] == "python" else words[0]
-    return subprocess.run([program, *words[1:]], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    done = subprocess.run([program, *words[1:]], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    if done.returncode:
+        raise subprocess.CalledProcessError(done.returncode, command)
+    return done.stdout
+
+
+def outputs_of(commands: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Commands with what they print, as many at a time as there are cores; scripts find their imports done."""
+    modules = {words[2] for words in map(shlex.split, commands) if words[1] == "-m"}
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([*sorted(modules), *(_COMMON if modules else ())])
+    with ProcessPoolExecutor(os.cpu_count(), context, max_tasks_per_child=1) as pool:
+        yield from zip(commands, pool.map(_output_in_this_process, commands), strict=True)
+
+
+def _output_in_this_process(command: str) -> str:
+    _, option, *words = shlex.split(command)
+    if option != "-m":
+        return output_of(command)
+    os.chdir(ROOT)
+    with tempfile.TemporaryFile("w+") as printed:
+        os.dup2(printed.fileno(), sys.stdout.fileno())
+        sys.argv = words
+        if status := importlib.import_module(words[0]).main():
+            raise subprocess.CalledProcessError(status, command)
+        sys.stdout.flush()
+        printed.seek(0)
+        return printed.read()
 
 
 def run(given: argparse.Namespace) -> int:
+    found = [(path, block) for path in documents() for block in blocks(path.read_text(encoding="utf-8"))]
+    chosen = [
+        (path, block) for path, block in found if given.only in block.command and (block.checked or not given.check)
+    ]
+    commands = list(dict.fromkeys(block.command for _, block in chosen))
+    # Some of those that are not checked measure times: one after the other, each in a process of its own.
+    printed = outputs_of(commands) if given.check else ((command, output_of(command)) for command in commands)
     wrong = 0
-    for path in documents():
-        for block in blocks(path.read_text(encoding="utf-8")):
-            if given.only not in block.command or (given.check and not block.checked):
-                continue
-            print(f"{path.name}: {block.command}", file=sys.stderr, flush=True)
-            try:
-                printed = output_of(block.command)
-            except subprocess.CalledProcessError as error:
-                print(f"{path.name}: {block.command}: ended with status {error.returncode}", file=sys.stderr)
-                return 1
-            if given.check:
-                found = list(differences(block.content, shown(block.command, printed), block.margin))
-                print(*found, sep="\n", end="\n" if found else "")
-                wrong += bool(found)
-            else:
-                path.write_text(filled(path.read_text(encoding="utf-8"), block.command, printed), encoding="utf-8")
+    try:
+        for command, content in printed:
+            for path, block in chosen:
+                if block.command != command:
+                    continue
+                print(f"{path.name}: {command}", file=sys.stderr, flush=True)
+                if given.check:
+                    differing = list(differences(block.content, shown(command, content), block.margin))
+                    print(*differing, sep="\n", end="\n" if differing else "")
+                    wrong += bool(differing)
+                else:
+                    path.write_text(filled(path.read_text(encoding="utf-8"), command, content), encoding="utf-8")
+    except subprocess.CalledProcessError as error:
+        print(f"{error.cmd}: ended with status {error.returncode}", file=sys.stderr)
+        return 1
     if wrong:
         print(f"{wrong} tables differ from what their commands print; rewrite them with make docs-tables")
     return 1 if wrong else 0

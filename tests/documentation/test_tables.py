@@ -57,6 +57,16 @@ def test_tables_are_written_and_checked(tmp_path, monkeypatch, capsys):
             blocks(broken)
 
 
+def test_scripts_that_share_a_process_print_what_they_print_alone(tmp_path, monkeypatch, capfd):
+    page, command = tmp_path / "README.md", "python -m scripts.reference_tables symbols"
+    page.write_text(f"<!-- checked table: {command} -->\n<!-- end -->\n")
+    monkeypatch.setattr(docs_tables, "documents", lambda: [page])
+    assert main([]) == main(["--check"]) == 0
+    page.write_text(page.read_text().replace("symbols", "no_such_table"))
+    assert main(["--check"]) == 1
+    assert "no_such_table: ended with status 1" in capfd.readouterr().err
+
+
 def commands():
     """Every command of the documents' blocks and of the Makefile that runs one of the scripts."""
     found = [block.command for path in documents() for block in blocks(path.read_text(encoding="utf-8"))]
