@@ -5,14 +5,12 @@ judge it.
 
 python -m scripts.validate_hysteresis fit          # errors of the chosen half by k
 python -m scripts.validate_hysteresis branches     # errors of all theories on the other half
-python -m scripts.validate_hysteresis losses       # Γ of the work that loops lose, on both
-python -m scripts.validate_hysteresis preloads     # what a smaller preload changes on unloading, on both
-python -m scripts.validate_hysteresis surfaces data/contact_atlas_surfaces.nc     # means of four surfaces
+python -m scripts.validate_hysteresis surfaces data/contact_atlas_surfaces.nc       # means of four surfaces
+python -m scripts.validate_hysteresis distributions data/contact_atlas_surfaces.nc  # of local gap and pressure
 python -m scripts.validate_hysteresis branches --figure docs/images/edge_flow_branches.png
 """
 
 import argparse
-import itertools
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,12 +22,10 @@ from matplotlib.figure import Figure
 from contact_study.atlas.collection import THEORIES, WAYS
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, Condition, design
 from contact_study.atlas.loops import CORES, seeds_of, theory_study_of
-from contact_study.physics.laws import LAWS
-from contact_study.physics.spheres.numbers import maugis_parameter
 from contact_study.plots.style import DOUBLE, styled
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
-from scripts.contact_atlas import AREA, DATA, LIGHTEST, MARKERS, NAMES, compared, deepest, read, stress_of
+from scripts.contact_atlas import AREA, DATA, HEAVIEST, LIGHTEST, MARKERS, NAMES, compared, deepest, read, stress_of
 from scripts.harness import FIGURE, Option, minus, program, save, show
 from theory.edge_flow.apparent_adhesion import GROWTH, adhesion_ratio, stronger
 from theory.edge_flow.flow import edge_flow
@@ -41,7 +37,9 @@ RATIOS = 1.0, 1.1, 1.25, 1.5, 1.9  # of the work of adhesion, between which area
 LEAST, LARGEST = 0.02, 0.98  # areas that are compared
 SHOWN_STATES = 3  # compared states on unloading of a condition in the figure
 STRONG = 0.5  # θ from which a surface of this size holds together by many asperities
-ONSETS = 0.0, 1.1, 1.3, 1.5, 1.8, 2.3, 9.0  # bins of x
+PRESSURES = np.geomspace(LIGHTEST, HEAVIEST, 12)  # at which means of surfaces are compared, over E* h'/2
+WORK = "work_of_separation"
+EVENTS = {"work_of_approach": "work of approach", WORK: "work of separation"}
 
 
 @dataclass(frozen=True)
@@ -156,70 +154,118 @@ def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarr
     return 2 * by_core[0] - by_core[-1]
 
 
-def losses(data: xr.Dataset) -> None:
-    """Print Γ_D = 1 + D/(Δγ ΔA) by x, beside Γ; D is lost from the lightest pressure to the preload and back."""
-    found = [pair for one in deepest(data) if (pair := measured_ratio(one)) is not None]
-    number, ratio = np.array(found).T
-    rows = []
-    for low, high in itertools.pairwise(ONSETS):
-        some = (number >= low) & (number < high)
-        if some.any():
-            words = f"{number[some].min():.2f} … {number[some].max():.2f}"
-            medians = (np.median(values[some]) for values in (ratio, adhesion_ratio(number)))
-            rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians)))
-    show(("x", "loops", "Γ_D: median", "Γ: median"), rows)
-
-
-def preloads(data: xr.Dataset) -> None:
-    """Print how far unloading from a smaller preload reaches the branch of the largest, and the pull-off of both."""
-    pairs = []
-    for one in deepest(data):
-        small = data.sel(condition=int(one["condition"]), surface=int(one["surface"])).isel(preload=0)
-        loads, places = zip(*(_ways(each) for each in (one, small)), strict=True)
-        (load, back), (_, early) = places
-        shared = loads[1] / 2  # where the early way out has come off its turning point
-        if shared < LIGHTEST:
-            continue
-        rising, wide, narrow = (float(np.interp(np.log(shared), *way)) for way in (load, back, early))
-        share = (narrow - rising) / (wide - rising) if wide - rising > LEAST else np.nan
-        pairs.append((measured_ratio(one), share, float(small["pull_off_pressure"] / one["pull_off_pressure"])))
-    rows = []
-    for low, high in itertools.pairwise(ONSETS):
-        some = np.array([pair[1:] for pair in pairs if pair[0] is not None and low <= pair[0][0] < high])
-        if some.size:
-            known = some[np.isfinite(some[:, 0]), 0]
-            shares = f"{np.median(known):.2f} ({known.min():.2f} … {known.max():.2f})" if known.size else ""
-            ratios = some[:, 1]
-            rows.append(
-                (
-                    f"{low:g} … {high:g}",
-                    len(some),
-                    shares,
-                    f"{np.median(ratios):.3f} ({ratios.min():.2f} … {ratios.max():.2f})",
-                )
-            )
-    show(("x", "loops", "share of the branch reached: median (range)", "ratio of pull-offs"), rows)
-
-
 def surfaces(data: xr.Dataset) -> None:
-    """Print pull-off and work of separation by the edge flow over the simulated ones, as means of several surfaces."""
-    rows, every = [], []
-    for number in range(data.sizes["condition"]):
-        one = data.isel(condition=number, preload=-1)
-        cells = []
-        for name in ("pull_off_pressure", "work_of_separation"):
-            simulated = one[name].values
-            theory = one[f"theory_{name}"].sel(theory="edge_flow", way="unloading").values
-            ratio, scatter = theory.mean() / simulated.mean(), simulated.std(ddof=1) / abs(simulated.mean())
-            every.append(abs(ratio - 1))
-            cells += [f"{100 * scatter:.0f} %", f"{ratio:.2f}"]
-        law = MARKERS[str(one["law"].values)][0]
-        rows.append((int(one["condition"]), law, f"{float(one['relative_adhesion']):.2f}", *cells))
-    sizes = np.reshape(every, (-1, 2))
-    worst = [text for size in sizes.T for text in ("", f"±{100 * size.mean():.0f} %, worst {100 * size.max():.0f} %")]
-    rows.append(("all", "", "", *worst))
-    columns = "pull-off: scatter", "theory/simulated", "work of separation: scatter", "theory/simulated"
-    show(("condition", "law", "θ", *columns), rows)
+    """Print the edge flow against means of several surfaces: areas, tension on both ways, and work."""
+    judges = {one.number for one in design(JUMPING, least_jump=LEAST_JUMP)[0][1::2]}
+    found = [_of_surfaces(data.isel(condition=place, preload=-1)) for place in range(data.sizes["condition"])]
+    judging = [int(number) in judges for number in data["condition"]]
+    rows = []
+    for place, (areas, events) in enumerate(found):
+        one = data.isel(condition=place)
+        head = int(one["condition"]), MARKERS[str(one["law"].values)][0], f"{float(one['relative_adhesion']):.2f}"
+        ratios = (f"{ratio:.2f} ± {error:.2f}" for ratio, error in events)
+        rows.append((*head, "judges" if judging[place] else "", *(_areas([each]) for each in areas), *ratios))
+    for words, some in (("all", [True] * len(found)), ("judging", judging)):
+        chosen = [each for each, holds in zip(found, some, strict=True) if holds]
+        areas = (_areas([each[0][way] for each in chosen]) for way in range(len(WAYS)))
+        ratios = np.abs(np.array([each[1] for each in chosen])[..., 0] - 1).T
+        events = (f"{100 * sizes.mean():.0f}/{100 * sizes.max():.0f} %" for sizes in ratios)
+        rows.append((words, "", "", len(chosen), *areas, *events))
+    areas = "area loading: mean size, 95 % below, worst", "unloading"
+    show(("condition", "law", "θ", "half", *areas, "tension on approach", "pull-off", *EVENTS.values()), rows)
+
+
+def _of_surfaces(loops: xr.Dataset) -> tuple[list[np.ndarray], list[tuple[float, float]]]:
+    """Return relative errors of mean areas on both ways, and ratios of tensions and works with their standard error."""
+    ones = [loops.isel(surface=place) for place in range(loops.sizes["surface"])]
+    areas = []
+    for way in range(len(WAYS)):
+        curves = np.array([_curves(one, way) for one in ones])  # shape (surfaces, 2, pressures)
+        simulated, theory = curves[:, 0].mean(axis=0), curves[:, 1].mean(axis=0)
+        partial = (simulated > LEAST) & (simulated < LARGEST)
+        areas.append((theory / simulated - 1)[partial & np.isfinite(theory)])
+    pairs = [[_approach(one) for one in ones]]
+    for name, way in (("pull_off_pressure", "unloading"), ("work_of_approach", "loading"), (WORK, "unloading")):
+        theory = f"theory_{name.replace('approach', 'separation')}"  # on loading it is that of the approach
+        pairs.append([(float(one[name]), float(one[theory].sel(theory="edge_flow", way=way))) for one in ones])
+    return areas, [_ratio(*np.array(each).T) for each in pairs]
+
+
+def _curves(one: xr.Dataset, way: int) -> np.ndarray:
+    """Interpolate simulated area and the edge flow's at the compared pressures of one way, NaN beyond its states."""
+    area = one["theory_relative_contact_area"].sel(theory="edge_flow")
+    there = (one["mean_pressure"] > 0) & (one["converged"] == 1) & (one["branch"] == way) & area.notnull()
+    pressure = (one["mean_pressure"] / stress_of(one)).values[there]
+    order, ends = np.argsort(pressure), {"left": np.nan, "right": np.nan}
+    given = (each.values[there][order] for each in (one[AREA], area))
+    if not pressure.size:
+        return np.full((2, PRESSURES.size), np.nan)
+    return np.array([np.interp(np.log(PRESSURES), np.log(pressure[order]), each, **ends) for each in given])
+
+
+def _approach(one: xr.Dataset) -> tuple[float, float]:
+    """Return the lowest pressure of the way in, simulated and by the edge flow."""
+    simulated = float(one["mean_pressure"].where(one["branch"] == 0).min())
+    return simulated, float(one["theory_pull_off_pressure"].sel(theory="edge_flow", way="loading"))
+
+
+def _ratio(simulated: np.ndarray, theory: np.ndarray) -> tuple[float, float]:
+    """Return the ratio of means, and its standard error from the differences of a surface's two values."""
+    ratio = float(theory.mean() / simulated.mean())
+    rest = theory - ratio * simulated
+    return ratio, float(rest.std(ddof=1) / np.sqrt(rest.size) / abs(simulated.mean()))
+
+
+def distributions(data: xr.Dataset) -> None:
+    """Print deviations and skewness of the edge flow's local gaps and pressures against simulated ones, by way."""
+    known = {one.number: one for one in design(JUMPING, least_jump=LEAST_JUMP)[0]}
+    rows = []
+    for number in data["condition"].values:
+        condition = known[int(number)]
+        if condition.traction_law.has_wall:
+            continue  # no density of the pressure in the edge flow
+        for place, way in enumerate(WAYS):
+            errors = np.concatenate(
+                [
+                    _of_distributions(data.sel(condition=number, surface=surface).isel(preload=-1), condition, place)
+                    for surface in data["surface"].values
+                ]
+            )
+            if errors.size:
+                cells = (f"{minus(f'{np.mean(each):+.2f}')} ± {np.std(each):.2f}" for each in errors.T)
+                rows.append((condition.number, f"{condition.jump_ratio:.2f}", way, len(errors), *cells))
+    moments = "deviation of u: relative error", "skewness of u", "deviation of σ: relative error", "skewness of σ"
+    show(("condition", "x", "branch", "states", *moments), rows)
+
+
+def _of_distributions(one: xr.Dataset, condition: Condition, place: int) -> np.ndarray:
+    """Compare states of one way of a loop with the edge flow's of that branch, shape (states, moments)."""
+    pressure = one["mean_pressure"].values
+    there = np.flatnonzero(partial_contact(one) & (one["branch"].values == place))
+    if not there.size:
+        return np.empty((0, 4))
+    seed = seeds_of(condition, int(one["surface"]))[-1]
+    case = make_study(theory_study_of(condition, seed, pressure[there].tolist())).cases[0]
+    spectrum = roughness(case, realise(case), "surface")
+    flow = edge_flow(spectrum, case.solid, case.law, 1.1 * float(pressure[there].max()), branch=WAYS[place])
+    errors = []
+    for step in there:
+        state = flow.at_pressure(float(pressure[step]))
+        gap = _moments(state.gaps * state.length, state.weights)
+        local = _moments(-state.law.traction(state.gaps) * state.contact_modulus, state.weights)
+        pairs = []
+        for name, (deviation, skewness) in (("gap", gap), ("pressure", local)):
+            pairs += [deviation / float(one[f"{name}_standard_deviation"][step]) - 1]
+            pairs += [skewness - float(one[f"{name}_skewness"][step])]
+        errors.append(pairs)
+    return np.array(errors)
+
+
+def _moments(values: np.ndarray, weights: np.ndarray) -> tuple[float, float]:
+    """Return standard deviation and skewness of weighted values."""
+    mean = np.average(values, weights=weights)
+    deviation = np.sqrt(np.average((values - mean) ** 2, weights=weights))
+    return float(deviation), float(np.average((values - mean) ** 3, weights=weights) / deviation**3)
 
 
 @styled
@@ -250,57 +296,11 @@ def picture(data: xr.Dataset) -> Figure:
     return figure
 
 
-def _ways(one: xr.Dataset) -> tuple[float, list[tuple[np.ndarray, np.ndarray]]]:
-    """Return the largest pressure of a loop, and logarithm of positive pressures with areas of both ways, rising."""
-    pressure, area = one["mean_pressure"].values / stress_of(one), one[AREA].values
-    there = np.flatnonzero(np.isfinite(pressure))
-    turn = there[int(np.argmax(pressure[there]))]
-    found = []
-    for way in (there[there <= turn], there[there >= turn]):
-        held = way[pressure[way] > 0]
-        order = held[np.argsort(pressure[held])]
-        found.append((np.log(pressure[order]), area[order]))
-    return float(pressure[turn]), found
-
-
-def measured_ratio(one: xr.Dataset) -> tuple[float, float] | None:
-    """Return x and Γ_D of a deepest loop; None if it does not reach the lightest pressure on both ways."""
-    work, law = float(one["work_of_adhesion"]), str(one["law"].values)
-    pressure = one["mean_pressure"].values / stress_of(one)
-    there = np.flatnonzero(np.isfinite(pressure))
-    pressure, turn = pressure[there], int(np.argmax(pressure[there]))
-    names = (AREA, "dissipated_energy", "unaccounted_work")
-    area, jumps, small = (one[name].values[there] for name in names)
-    start, end = _crossing(pressure[: turn + 1][::-1]), _crossing(pressure[turn:])
-    if start is None or end is None:
-        return None
-    lost = jumps + small
-    change, loss = area[turn] - _at(area, turn - start), _at(lost, turn + end) - _at(lost, turn - start)
-    radius, modulus = 1 / float(one["rms_curvature"]), float(one["contact_modulus"])
-    number = maugis_parameter(radius, modulus, work, float(one["peak_tensile_stress"])) / LAWS[law].jump_onset
-    return float(number), 1 + loss / (work * change)
-
-
-def _crossing(pressure: np.ndarray) -> float | None:
-    """Find the place, counted from the turning point, where a falling pressure passes the lightest one."""
-    below = np.flatnonzero(pressure < LIGHTEST)
-    if not below.size or not below[0]:
-        return None
-    after = int(below[0])
-    share = (pressure[after - 1] - LIGHTEST) / (pressure[after - 1] - pressure[after])
-    return float(after - 1 + share)
-
-
-def _at(values: np.ndarray, place: float) -> float:
-    return float(np.interp(place, np.arange(values.size), values))
-
-
 ACTIONS = {
     "fit": fit,
     "branches": branches,
-    "losses": losses,
-    "preloads": preloads,
     "surfaces": surfaces,
+    "distributions": distributions,
 }
 
 main = program(

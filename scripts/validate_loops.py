@@ -1,0 +1,171 @@
+"""What loops of the contact atlas lose, and what they remember of their turning points, as Markdown.
+
+x is Maugis' number of the mean asperity over that from which one jumps. `reloading` simulates, others read the atlas.
+
+python -m scripts.validate_loops losses        # Γ of the work that loops lose
+python -m scripts.validate_loops preloads      # what a smaller preload changes on unloading
+python -m scripts.validate_loops reloading     # the way from a turning point on unloading back to loading
+"""
+
+import argparse
+import itertools
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from contact_study.atlas.design import JUMPING, LEAST_JUMP, STRESS, Condition, design
+from contact_study.atlas.loops import file_of, seeds_of, study_of
+from contact_study.campaign.library import run as run_study
+from contact_study.physics.laws import LAWS
+from contact_study.physics.spheres.numbers import maugis_parameter
+from scripts.contact_atlas import AREA, LIGHTEST, deepest, read, stress_of
+from scripts.harness import Option, program, show
+from scripts.validate_hysteresis import JUMPING_DATA, LEAST
+from theory.edge_flow.apparent_adhesion import adhesion_ratio
+
+ONSETS = 0.0, 1.1, 1.3, 1.5, 1.8, 2.3, 9.0  # bins of x
+RELOADED = 743, 889, 19, 1125, 127, 187, 577, 535  # conditions of small grids, by x
+TURN, LOWEST, STEPS = 0.4, 0.04, 7  # turning points over E* h'/2, and states of a way between them
+SHOWN = 1, 2, 3  # states after the turning point
+OPEN = 0.004  # area between the branches where a share of it has a meaning
+
+
+def run(given: argparse.Namespace) -> None:
+    ACTIONS[given.action](given)
+
+
+def losses(given: argparse.Namespace) -> None:
+    """Print Γ_D = 1 + D/(Δγ ΔA) by x, beside Γ; D is lost from the lightest pressure to the preload and back."""
+    found = [pair for one in deepest(read(given.file)) if (pair := measured_ratio(one)) is not None]
+    number, ratio = np.array(found).T
+    rows = []
+    for low, high in itertools.pairwise(ONSETS):
+        some = (number >= low) & (number < high)
+        if some.any():
+            words = f"{number[some].min():.2f} … {number[some].max():.2f}"
+            medians = (np.median(values[some]) for values in (ratio, adhesion_ratio(number)))
+            rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians)))
+    show(("x", "loops", "Γ_D: median", "Γ: median"), rows)
+
+
+def preloads(given: argparse.Namespace) -> None:
+    """Print how far unloading from a smaller preload reaches the branch of the largest, and the pull-off of both."""
+    data, pairs = read(given.file), []
+    for one in deepest(data):
+        small = data.sel(condition=int(one["condition"]), surface=int(one["surface"])).isel(preload=0)
+        loads, places = zip(*(_ways(each) for each in (one, small)), strict=True)
+        (load, back), (_, early) = places
+        shared = loads[1] / 2  # where the early way out has come off its turning point
+        if shared < LIGHTEST:
+            continue
+        rising, wide, narrow = (float(np.interp(np.log(shared), *way)) for way in (load, back, early))
+        share = (narrow - rising) / (wide - rising) if wide - rising > LEAST else np.nan
+        pairs.append((measured_ratio(one), share, float(small["pull_off_pressure"] / one["pull_off_pressure"])))
+    rows = []
+    for low, high in itertools.pairwise(ONSETS):
+        some = np.array([pair[1:] for pair in pairs if pair[0] is not None and low <= pair[0][0] < high])
+        if some.size:
+            known = some[np.isfinite(some[:, 0]), 0]
+            shares = f"{np.median(known):.2f} ({known.min():.2f} … {known.max():.2f})" if known.size else ""
+            ratios = some[:, 1]
+            rows.append(
+                (
+                    f"{low:g} … {high:g}",
+                    len(some),
+                    shares,
+                    f"{np.median(ratios):.3f} ({ratios.min():.2f} … {ratios.max():.2f})",
+                )
+            )
+    show(("x", "loops", "share of the branch reached: median (range)", "ratio of pull-offs"), rows)
+
+
+def reloading(given: argparse.Namespace) -> None:
+    """Print how far reloading from a light load is from first loading, in parts of what unloading is, over the load."""
+    known = {one.number: one for one in design(JUMPING, least_jump=LEAST_JUMP)[0]}
+    pressures = np.geomspace(LOWEST, TURN, STEPS)
+    rows = []
+    for number in given.numbers:
+        first, back, again = turned(known[number], pressures, given)
+        opened = back - first
+        shares = np.where(opened > OPEN, (again - first) / np.where(opened > OPEN, opened, 1.0), np.nan)
+        cells = (f"{shares[place]:.2f}" if np.isfinite(shares[place]) else "" for place in SHOWN)
+        head = number, f"{known[number].relative_adhesion:.2f}", f"{known[number].jump_ratio:.2f}"
+        rows.append((*head, f"{opened.max():.3f}", *cells, f"{again[-1] / first[-1] - 1:+.4f}"))
+    loads = (f"at {pressures[place] / LOWEST:.2g} times the lowest load" for place in SHOWN)
+    show(("condition", "θ", "x", "largest opening", *loads, "area at the turning point"), rows)
+
+
+def turned(condition: Condition, pressures: np.ndarray, given: argparse.Namespace) -> np.ndarray:
+    """Return mean areas on loading, unloading and reloading at rising pressures over E* h'/2, shape (3, pressures)."""
+    seeds = seeds_of(condition, given.surfaces)
+    study = study_of(condition, seeds)
+    path = np.concatenate([pressures, pressures[-2::-1], pressures[1:]])
+    study |= {"loading": {"path": (path * STRESS).tolist()}, "sweep": {"surface.seed": seeds}}
+    given.folder.mkdir(parents=True, exist_ok=True)
+    found = run_study(study, "continuum", output=file_of(given.folder, condition, "reloading"), resume=True)
+    area = found[AREA].mean("seed").values
+    count = pressures.size
+    return np.stack([area[:count], area[2 * count - 2 : count - 2 : -1], area[2 * count - 2 :]])
+
+
+def _ways(one: xr.Dataset) -> tuple[float, list[tuple[np.ndarray, np.ndarray]]]:
+    """Return the largest pressure of a loop, and logarithm of positive pressures with areas of both ways, rising."""
+    pressure, area = one["mean_pressure"].values / stress_of(one), one[AREA].values
+    there = np.flatnonzero(np.isfinite(pressure))
+    turn = there[int(np.argmax(pressure[there]))]
+    found = []
+    for way in (there[there <= turn], there[there >= turn]):
+        held = way[pressure[way] > 0]
+        order = held[np.argsort(pressure[held])]
+        found.append((np.log(pressure[order]), area[order]))
+    return float(pressure[turn]), found
+
+
+def measured_ratio(one: xr.Dataset) -> tuple[float, float] | None:
+    """Return x and Γ_D of a deepest loop; None if it does not reach the lightest pressure on both ways."""
+    work, law = float(one["work_of_adhesion"]), str(one["law"].values)
+    pressure = one["mean_pressure"].values / stress_of(one)
+    there = np.flatnonzero(np.isfinite(pressure))
+    pressure, turn = pressure[there], int(np.argmax(pressure[there]))
+    names = (AREA, "dissipated_energy", "unaccounted_work")
+    area, jumps, small = (one[name].values[there] for name in names)
+    start, end = _crossing(pressure[: turn + 1][::-1]), _crossing(pressure[turn:])
+    if start is None or end is None:
+        return None
+    lost = jumps + small
+    change, loss = area[turn] - _at(area, turn - start), _at(lost, turn + end) - _at(lost, turn - start)
+    radius, modulus = 1 / float(one["rms_curvature"]), float(one["contact_modulus"])
+    number = maugis_parameter(radius, modulus, work, float(one["peak_tensile_stress"])) / LAWS[law].jump_onset
+    return float(number), 1 + loss / (work * change)
+
+
+def _crossing(pressure: np.ndarray) -> float | None:
+    """Find the place, counted from the turning point, where a falling pressure passes the lightest one."""
+    below = np.flatnonzero(pressure < LIGHTEST)
+    if not below.size or not below[0]:
+        return None
+    after = int(below[0])
+    share = (pressure[after - 1] - LIGHTEST) / (pressure[after - 1] - pressure[after])
+    return float(after - 1 + share)
+
+
+def _at(values: np.ndarray, place: float) -> float:
+    return float(np.interp(place, np.arange(values.size), values))
+
+
+ACTIONS = {"losses": losses, "preloads": preloads, "reloading": reloading}
+
+main = program(
+    run,
+    Option("action", str, "table", choices=tuple(ACTIONS)),
+    Option("file", JUMPING_DATA, "dataset of the atlas", type=Path),
+    Option("--folder", Path("build/reloading"), "folder of the runs of reloading", type=Path),
+    Option("--surfaces", 4, "of each condition that is reloaded"),
+    Option("--numbers", list(RELOADED), "conditions that are reloaded"),
+    interrupted="finished runs are kept; run again to resume",
+)
+
+if __name__ == "__main__":
+    sys.exit(main())
