@@ -86,4 +86,5 @@ def interface_state(case: Case, solution: Solution, surface: Surface, stiffness:
         further=further,
         periodic=case.elasticity.boundary == "periodic",
         highest_point=float(surface.sampled.max()) - mean_plane,
+        wall_bounded=case.law.wall_bounded(case.contact_distance),
     )

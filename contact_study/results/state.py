@@ -86,6 +86,7 @@ class InterfaceState:
     atoms: Mapping[str, np.ndarray] = field(default_factory=dict)  # one by one, where the study asks for them
     periodic: bool = True  # whether the map continues at its opposite edges; False for free boundaries
     highest_point: float | None = None  # of the rigid surface, above its mean plane (m)
+    wall_bounded: tuple[str, ...] = ("contact", "repulsive")  # areas whose edge a wall makes; others are level sets
 
 
 @dataclass(frozen=True)

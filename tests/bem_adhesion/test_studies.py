@@ -12,6 +12,7 @@ from bem_adhesion.study import model
 from contact_study.campaign import memory
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import quantity
+from contact_study.results.observables import corrected_area
 from contact_study.results.schema import COORDINATES, VARIABLES
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
@@ -258,6 +259,8 @@ def test_steps_hold_the_schema_and_agree_with_their_fields(sections):
         assert values["relative_repulsive_area"] == np.mean(pressure > 0)
         touching = gap < case.contact_distance if case.law.attracts else pressure > 0
         assert 0 < values["relative_contact_area"] == touching.mean() < 1
+        counted = corrected_area(touching) if case.law.has_wall else touching.mean()
+        assert values["corrected_contact_area"] == counted
         assert np.sum(values["gap_pdf"] * np.diff(bins_of_case(case).gap_edges)) == pytest.approx(1)
     found = model.constants(case, surface)
     assert set(found) <= set(VARIABLES) | set(COORDINATES)

@@ -16,6 +16,7 @@ from contact_study.results.observables import (
     RING_EDGES,
     RINGS,
     cluster_map,
+    corrected_area,
     edge_sides,
     percolates,
 )
@@ -128,6 +129,27 @@ def test_the_corrected_area_is_hertzs():
     expected = np.pi * contact_radius**2 / size**2
     assert np.mean(plain) / expected - 1 > 0.01
     assert abs(np.mean(corrected) / expected - 1) < 0.004
+
+
+@pytest.mark.parametrize("kinds", [(), ("repulsive",), ("contact",)])
+def test_only_edges_of_a_wall_are_corrected(kinds):
+    contact = contact_map("..... .##.. .##.. .....")
+    found = AREA.read(state(contact=contact, pressure=np.where(contact, 1e9, -1e6), wall_bounded=kinds), BINS)
+    for kind in ("contact", "repulsive"):
+        bias = OVERCOUNT * 8 / 20 if kind in kinds else 0.0
+        assert found[f"corrected_{kind}_area"] == pytest.approx(4 / 20 - bias)
+
+
+def test_a_level_set_is_counted_without_bias():
+    """Points in a disc, on the mean over its places: within three standard errors of the area, unlike if corrected."""
+    rng, radius, points = np.random.default_rng(1), 5.0, 16
+    y, x = np.mgrid[:points, :points]
+    centres = points / 2 + rng.uniform(-0.5, 0.5, (400, 2))
+    discs = [(y - one) ** 2 + (x - other) ** 2 < radius**2 for one, other in centres]
+    plain, corrected = ([each(disc) * points**2 for disc in discs] for each in (np.mean, corrected_area))
+    error = np.std(plain, ddof=1) / np.sqrt(len(discs))
+    assert abs(np.mean(plain) - np.pi * radius**2) < 3 * error
+    assert abs(np.mean(corrected) - np.pi * radius**2) > 3 * error
 
 
 def counted(contact, spacing, periodic=True):

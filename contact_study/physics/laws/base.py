@@ -155,6 +155,12 @@ class TractionLaw(ABC):
         """Which points of an interface are in contact, by their gap (m) and pressure (Pa)."""
         return gap <= contact_distance if self.has_wall else gap < contact_distance
 
+    def wall_bounded(self, contact_distance: float) -> tuple[str, ...]:
+        """Which areas, of contact or repulsion, end where the gap leaves a wall, not at a level of a smooth field."""
+        if not self.has_wall:
+            return ()
+        return ("repulsive",) if contact_distance > 0 else ("contact", "repulsive")
+
     def scaled(self, length: float, stress: float) -> Self:
         """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""
         lengths = {name: getattr(self, name) / length for name in ("length", *self.own_lengths)}

@@ -9,7 +9,8 @@ from contact_study.results.state import InterfaceState, Observable, Value, Varia
 
 # A point in contact counts with its whole cell. V. A. Yastrebov, G. Anciaux & J.-F. Molinari, Tribol. Int. 114, 161
 # (2017), arXiv:1701.02727, correct that by A' = A − (π − 1 + ln 2)/24 · S Δx, where S is the length of the edge along
-# the sides of the cells, 4/π of the edge's own if that has no preferred direction; a free rim is no such side.
+# the sides of the cells, 4/π of the edge's own if that has no preferred direction; a free rim is no such side. That is
+# of contact with a wall, whose gap rises from zero: points in the level set of a smooth field have no such bias.
 OVERCOUNT = (np.pi - 1 + np.log(2)) / 24
 
 
@@ -31,7 +32,8 @@ def _area(state: InterfaceState, _: Bins) -> dict[str, Value]:
     sides = {kind: edge_sides(area, state.periodic) for kind, area in areas.items()}
     values: dict[str, Value] = {f"relative_{kind}_area": float(np.mean(area)) for kind, area in areas.items()}
     for kind, area in areas.items():
-        values[f"corrected_{kind}_area"] = corrected_area(area, sides[kind])
+        whole = kind in state.wall_bounded
+        values[f"corrected_{kind}_area"] = corrected_area(area, sides[kind] if whole else (0, 0))
     if state.spacing is not None:
         dy, dx = state.spacing
         along_x, along_y = sides["contact"]
