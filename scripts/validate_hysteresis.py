@@ -180,18 +180,18 @@ def _of_surfaces(loops: xr.Dataset) -> tuple[list[np.ndarray], list[tuple[float,
     ones = [loops.isel(surface=place) for place in range(loops.sizes["surface"])]
     areas = []
     for way in range(len(WAYS)):
-        curves = np.array([_curves(one, way) for one in ones])  # shape (surfaces, 2, pressures)
-        simulated, theory = curves[:, 0].mean(axis=0), curves[:, 1].mean(axis=0)
+        both = np.array([curves(one, way) for one in ones])  # shape (surfaces, 2, pressures)
+        simulated, theory = both.mean(axis=0)
         partial = (simulated > LEAST) & (simulated < LARGEST)
         areas.append((theory / simulated - 1)[partial & np.isfinite(theory)])
     pairs = [[_approach(one) for one in ones]]
     for name, way in (("pull_off_pressure", "unloading"), ("work_of_approach", "loading"), (WORK, "unloading")):
         theory = f"theory_{name.replace('approach', 'separation')}"  # on loading it is that of the approach
         pairs.append([(float(one[name]), float(one[theory].sel(theory="edge_flow", way=way))) for one in ones])
-    return areas, [_ratio(*np.array(each).T) for each in pairs]
+    return areas, [ratio_of_means(*np.array(each).T) for each in pairs]
 
 
-def _curves(one: xr.Dataset, way: int) -> np.ndarray:
+def curves(one: xr.Dataset, way: int) -> np.ndarray:
     """Interpolate simulated area and the edge flow's at the compared pressures of one way, NaN beyond its states."""
     area = one["theory_relative_contact_area"].sel(theory="edge_flow")
     there = (one["mean_pressure"] > 0) & (one["converged"] == 1) & (one["branch"] == way) & area.notnull()
@@ -209,7 +209,7 @@ def _approach(one: xr.Dataset) -> tuple[float, float]:
     return simulated, float(one["theory_pull_off_pressure"].sel(theory="edge_flow", way="loading"))
 
 
-def _ratio(simulated: np.ndarray, theory: np.ndarray) -> tuple[float, float]:
+def ratio_of_means(simulated: np.ndarray, theory: np.ndarray) -> tuple[float, float]:
     """Return the ratio of means, and its standard error from the differences of a surface's two values."""
     ratio = float(theory.mean() / simulated.mean())
     rest = theory - ratio * simulated
@@ -251,8 +251,8 @@ def _of_distributions(one: xr.Dataset, condition: Condition, place: int) -> np.n
     errors = []
     for step in there:
         state = flow.at_pressure(float(pressure[step]))
-        gap = _moments(state.gaps * state.length, state.weights)
-        local = _moments(-state.law.traction(state.gaps) * state.contact_modulus, state.weights)
+        gap = moments(state.gaps * state.length, state.weights)
+        local = moments(-state.law.traction(state.gaps) * state.contact_modulus, state.weights)
         pairs = []
         for name, (deviation, skewness) in (("gap", gap), ("pressure", local)):
             pairs += [deviation / float(one[f"{name}_standard_deviation"][step]) - 1]
@@ -261,7 +261,7 @@ def _of_distributions(one: xr.Dataset, condition: Condition, place: int) -> np.n
     return np.array(errors)
 
 
-def _moments(values: np.ndarray, weights: np.ndarray) -> tuple[float, float]:
+def moments(values: np.ndarray, weights: np.ndarray) -> tuple[float, float]:
     """Return standard deviation and skewness of weighted values."""
     mean = np.average(values, weights=weights)
     deviation = np.sqrt(np.average((values - mean) ** 2, weights=weights))

@@ -1,7 +1,7 @@
 """The edge flow at light load against adhesive contacts of many surfaces, as Markdown.
 
-Each surface has its theory, fed with its own spectrum. The simulated area is that of the cells, or corrected for those
-of the contact's edge. Errors are of means, with the standard error of the paired differences.
+Each surface has its theory, fed with its own spectrum. Errors are of means over surfaces, with the standard error of
+the paired differences.
 
 python -m scripts.validate_light_load
 """
@@ -17,7 +17,6 @@ from contact_study.physics.process_zone import process_zone, resolving_shape
 from contact_study.physics.solids import HalfSpace
 from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.observables import corrected_area
 from contact_study.study.schema.modes import spectrum_of_modes
 from scripts.harness import Option, minus, program, rough_surface, show, walk
 from theory import edge_flow
@@ -42,12 +41,9 @@ def run(given: argparse.Namespace) -> None:
             pairs.append((simulated(surface, law, pressures), of_edge_flow(surface, law, pressures)))
         truth, theory = np.moveaxis(np.array(pairs), 1, 0)  # shapes (surfaces, pressures, quantities)
         for place, pressure in enumerate(PRESSURES):
-            cells = [compared(truth[:, place, kind], theory[:, place, 0]) for kind in (0, 1)]
-            gap = f"{np.mean(theory[:, place, 2] - truth[:, place, 2]):+.3f}"
-            area = f"{truth[:, place, 1].mean():.3f}"
-            rows.append((f"{roll_off:g}", f"{adhesion:g}", f"{pressure:g}", area, *cells, minus(gap)))
-    columns = "area, corrected", "edge flow: error against the cells' area", "against the corrected", "of ū/h_rms"
-    show(("q₀L/2π", "θ", "p/(E*h′/2)", *columns), rows)
+            cells = f"{truth[:, place, 0].mean():.3f}", *differences(truth[:, place], theory[:, place])
+            rows.append((f"{roll_off:g}", f"{adhesion:g}", f"{pressure:g}", *cells))
+    show(("q₀L/2π", "θ", "p/(E*h′/2)", "area", "edge flow: error of the area", "of ū/h_rms"), rows)
 
 
 def law_and_grid(modes: tuple[float, float, float], adhesion: float) -> tuple[LennardJones104, int]:
@@ -59,31 +55,32 @@ def law_and_grid(modes: tuple[float, float, float], adhesion: float) -> tuple[Le
     return law, resolving_shape((SIZE, SIZE), min(process_zone(MODULUS, law), SIZE / modes[-1]))[0]
 
 
-def simulated(surface: Surface, law: LennardJones104, pressures: list[float]) -> list[tuple[float, float, float]]:
-    """Return area, area corrected for the edge's cells, and mean gap over the rms height by pressure."""
+def simulated(surface: Surface, law: LennardJones104, pressures: list[float]) -> list[tuple[float, float]]:
+    """Return area, and mean gap over the rms height, by pressure."""
     found = []
     for state in walk(rough_contact(surface.sampled, SIZE, MODULUS, law), pressures):
-        touching = state.gap < law.peak_distance
-        gap = (float(state.gap.mean()) - law.equilibrium_distance) / HEIGHT
-        found.append((float(touching.mean()), corrected_area(touching), gap))
+        area = float(np.mean(state.gap < law.contact_distance))
+        found.append((area, (float(state.gap.mean()) - law.equilibrium_distance) / HEIGHT))
     return found
 
 
-def of_edge_flow(surface: Surface, law: LennardJones104, pressures: list[float]) -> list[tuple[float, float, float]]:
+def of_edge_flow(surface: Surface, law: LennardJones104, pressures: list[float]) -> list[tuple[float, float]]:
     flow = edge_flow(surface.measured_spectrum(), MODULUS, law, 1.1 * max(pressures))
-    found = []
-    for pressure in pressures:
-        state = flow.at_pressure(pressure)
-        area = state.fraction_below(law.peak_distance)
-        found.append((area, area, (state.mean_gap - law.equilibrium_distance) / HEIGHT))
-    return found
+    states = [flow.at_pressure(pressure) for pressure in pressures]
+    return [
+        (state.fraction_below(law.contact_distance), (state.mean_gap - law.equilibrium_distance) / HEIGHT)
+        for state in states
+    ]
 
 
-def compared(truth: np.ndarray, theory: np.ndarray) -> str:
-    """Write the relative error of a mean over surfaces, and its standard error from the paired differences."""
-    error = np.mean(theory) / np.mean(truth) - 1
-    standard = np.std(theory - truth, ddof=1) / np.sqrt(truth.size) / np.mean(truth)
-    return minus(f"{100 * error:+.1f} ± {100 * standard:.1f} %")
+def differences(truth: np.ndarray, theory: np.ndarray) -> tuple[str, str]:
+    """Write errors of mean area, relative, and of mean gap, from values of shape (surfaces, 2)."""
+    errors, scatter = (theory - truth).mean(axis=0), (theory - truth).std(axis=0, ddof=1) / np.sqrt(len(truth))
+    area = 100 / truth[:, 0].mean()
+    return (
+        minus(f"{area * errors[0]:+.1f} ± {area * scatter[0]:.1f} %"),
+        minus(f"{errors[1]:+.3f} ± {scatter[1]:.3f}"),
+    )
 
 
 main = program(run, Option("--surfaces", 40, "of each spectrum"))

@@ -38,16 +38,38 @@ def run(given: argparse.Namespace) -> None:
 
 def losses(given: argparse.Namespace) -> None:
     """Print Γ_D = 1 + D/(Δγ ΔA) by x, beside Γ; D is lost from the lightest pressure to the preload and back."""
-    found = [pair for one in deepest(read(given.file)) if (pair := measured_ratio(one)) is not None]
-    number, ratio = np.array(found).T
+    found = [(*pair, lost_by_asperities(one)) for one in deepest(read(given.file)) if (pair := measured_ratio(one))]
+    number, ratio, asperities = np.array(found).T
+    share = (ratio - 1) / asperities
     rows = []
     for low, high in itertools.pairwise(ONSETS):
         some = (number >= low) & (number < high)
         if some.any():
             words = f"{number[some].min():.2f} … {number[some].max():.2f}"
             medians = (np.median(values[some]) for values in (ratio, adhesion_ratio(number)))
-            rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians)))
-    show(("x", "loops", "Γ_D: median", "Γ: median"), rows)
+            shares = f"{share[some].min():.2f} … {share[some].max():.2f}"
+            rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians), shares))
+    show(("x", "loops", "Γ_D: median", "Γ: median", "(Γ_D − 1) over that of single asperities"), rows)
+
+
+def lost_by_asperities(one: xr.Dataset) -> float:
+    """Return what summits lose apart from each other in JKR's limit, at a given separation, over Δγ and the cell.
+
+    In units of α = (Δγ R²/E*)^(1/3), JKR's energy at an approach δ is δ²a − ⅔ δa³ + a⁵/5 − π a² in those of Δγ α². A
+    summit jumps in at δ = 0, to a³ = 2π, and out at a³ = π/8. P. R. Nayak, J. Lubr. Technol. 93, 398 (1971), gives the
+    summits' density, m₄/(6√3 π m₂) by the moments of a profile.
+    """
+    slope, curvature = float(one["rms_slope"]), float(one["rms_curvature"])
+    radius, modulus, work = 1 / curvature, float(one["contact_modulus"]), float(one["work_of_adhesion"])
+    jump_in, pull_off = np.cbrt(2 * np.pi), np.cbrt(np.pi / 8)
+    approach = pull_off**2 - np.sqrt(2 * np.pi * pull_off)
+    lost = [
+        np.pi * jump_in**2 - jump_in**5 / 5,
+        approach**2 * pull_off - 2 / 3 * approach * pull_off**3 + pull_off**5 / 5 - np.pi * pull_off**2,
+    ]
+    profile = 3 / 8 * (2 * curvature) ** 2 / (slope**2 / 2)  # m₄/m₂; the rms curvature is half the rms Laplacian
+    density = profile / (6 * np.sqrt(3) * np.pi)
+    return float(density * sum(lost) * np.cbrt(work * radius**2 / modulus) ** 2)
 
 
 def preloads(given: argparse.Namespace) -> None:

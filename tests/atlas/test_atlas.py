@@ -1,5 +1,7 @@
 """A small condition from its study to the tables of the atlas."""
 
+import argparse
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,7 +12,7 @@ from contact_study.atlas.design import STRESS, Condition
 from contact_study.atlas.loops import run_condition
 from contact_study.atlas.validation import problems
 from contact_study.inputs.errors import InputError
-from scripts import contact_atlas, validate_hysteresis
+from scripts import contact_atlas, validate_hysteresis, validate_loops
 from theory.edge_flow.apparent_adhesion import AREA_ERRORS
 
 PRELOADS = (0.4, 2.0)
@@ -135,14 +137,85 @@ def test_errors_in_datasets_are_those_of_the_judging_half():
 
 
 def test_tables_of_the_jumping_conditions(capsys, tmp_path):
-    for action in ("branches", "losses", "preloads"):
-        assert validate_hysteresis.main([action]) == 0
+    assert validate_hysteresis.main(["branches"]) == 0
+    for action in ("losses", "preloads"):
+        assert validate_loops.main([action]) == 0
     assert validate_hysteresis.main(["surfaces", str(SURFACES)]) == 0
     figure = tmp_path / "branches.png"
     assert validate_hysteresis.main(["branches", "--figure", str(figure)]) == 0
     out = capsys.readouterr().out
     assert "| edge flow | θ ≥ 0.5 |" in out
     assert figure.stat().st_size > 10_000
+
+
+def test_curves_of_means_are_at_the_same_pressures_and_end_where_a_loop_ends():
+    """Areas that are straight lines of ln p; a state under tension and one without convergence do not count."""
+    pressure = np.array([-0.1, 0.01, 0.05, 0.5, 0.6, 0.7])
+    area = 0.5 + 0.1 * np.log(np.abs(pressure))
+    states = {"mean_pressure": pressure * STRESS, "corrected_contact_area": area, "branch": np.zeros(6, int)}
+    states |= {"converged": np.array([1, 1, 1, 1, 1, 0])}
+    one = xr.Dataset(
+        {name: ("step", value) for name, value in states.items()}
+        | {"contact_modulus": 1e9, "rms_slope": 0.1}
+        | {"theory_relative_contact_area": (("theory", "step"), 2 * area[None])},
+        {"theory": ["edge_flow"]},
+    )
+    simulated, theory = validate_hysteresis.curves(one, 0)
+    inside = validate_hysteresis.PRESSURES <= 0.6
+    np.testing.assert_allclose(simulated[inside], 0.5 + 0.1 * np.log(validate_hysteresis.PRESSURES[inside]))
+    np.testing.assert_allclose(theory, 2 * simulated)
+    assert np.isnan(simulated[~inside]).all()
+    assert np.isnan(validate_hysteresis.curves(one, 1)).all()
+
+
+def test_the_error_of_a_ratio_of_means_is_that_of_what_does_not_vary_together():
+    simulated = np.array([1.0, 2.0, 3.0])
+    assert validate_hysteresis.ratio_of_means(simulated, 0.9 * simulated) == pytest.approx((0.9, 0.0))
+    ratio, error = validate_hysteresis.ratio_of_means(simulated, simulated + np.array([0.1, -0.1, 0.0]))
+    assert (ratio, error) == pytest.approx((1.0, 0.1 / np.sqrt(3) / 2.0))
+
+
+def test_loading_unloading_and_reloading_are_one_curve_without_hysteresis(tmp_path):
+    pressures = np.geomspace(0.1, 0.4, 3)
+    given = argparse.Namespace(folder=tmp_path / "runs", surfaces=1)
+    first, back, again = validate_loops.turned(CONDITION, pressures, given)
+    assert (np.diff(first) > 0.02).all()
+    np.testing.assert_allclose([back, again], [first, first], rtol=1e-6)  # the solver's tolerance is a hundredth of it
+
+
+def test_a_summit_loses_the_steps_of_jkrs_energy():
+    """Its energy at a given approach, minimised on a grid of contact radii, falls by the loss at both jumps."""
+    one = xr.Dataset({"rms_slope": 0.1, "rms_curvature": 1e7, "contact_modulus": 1e9, "work_of_adhesion": 0.05})
+    a = np.linspace(0.0, 3.0, 30001)
+
+    def lowest(approach):
+        energy = approach**2 * a - 2 / 3 * approach * a**3 + a**5 / 5 - np.pi * a**2
+        inside = np.flatnonzero(np.diff(np.sign(np.diff(energy))) > 0) + 1
+        return energy[inside[-1]] if inside.size else np.nan
+
+    approaches = np.linspace(-1.7, 0.0, 1701)
+    held = [each for each in approaches if np.isfinite(lowest(each))]
+    lost = lowest(held[0]) - lowest(0.0)
+    length = np.cbrt(0.05 * 1e-7**2 / 1e9)
+    density = 3 / 8 * (2e7) ** 2 / (0.1**2 / 2) / (6 * np.sqrt(3) * np.pi)
+    assert validate_loops.lost_by_asperities(one) == pytest.approx(density * length**2 * lost, rel=3e-3)  # of the grids
+
+
+def test_moments_of_two_values():
+    """Zero with weight 3 and 4 with weight 1: variance 3, skewness 2/√3."""
+    assert validate_hysteresis.moments(np.array([0.0, 4.0]), np.array([3.0, 1.0])) == pytest.approx(
+        (np.sqrt(3), 2 / np.sqrt(3))
+    )
+
+
+def test_distributions_of_the_edge_flow_are_compared_at_states_of_both_ways(capsys):
+    data = contact_atlas.read(SURFACES).sel(condition=[127], surface=[1])
+    validate_hysteresis.distributions(data)
+    out = capsys.readouterr().out
+    for way in ("loading", "unloading"):
+        (line,) = [line for line in out.splitlines() if f"| {way} |" in line]
+        deviations = [float(cell.split("±")[0].replace("−", "-")) for cell in line.split("|")[5:9]]
+        assert abs(deviations[2]) < 0.1  # of the deviation of the pressure; a few per cent on all surfaces
 
 
 def test_tables_of_a_dataset(dataset, tmp_path, capsys):
@@ -183,7 +256,7 @@ def test_the_loss_of_a_loop_is_the_one_between_equal_pressures():
     whole = xr.Dataset({name: ("step", value) for name, value in states.items()} | constants)
     whole = whole.assign_coords(condition=3, surface=1).expand_dims(["condition", "surface", "preload"])
     (one,) = contact_atlas.deepest(whole)
-    number, ratio = validate_hysteresis.measured_ratio(one)
+    number, ratio = validate_loops.measured_ratio(one)
     assert ratio == pytest.approx(1 + 0.02 / (0.9 - 0.1))
     assert number == pytest.approx(2e6 * np.cbrt(9 * 1e-7 / (16 * np.pi * 0.05 * 1e18)) / 0.89)
 
