@@ -40,7 +40,7 @@ def run(given: argparse.Namespace) -> None:
             pressures = [0.5 * share * MODULUS * surface.rms_slope for share in PRESSURES]
             pairs.append((simulated(surface, law, pressures), of_edge_flow(surface, law, pressures)))
         truth, theory = np.moveaxis(np.array(pairs), 1, 0)  # shapes (surfaces, pressures, quantities)
-        for place, pressure in enumerate(PRESSURES):
+        for place, pressure in list(enumerate(PRESSURES))[::2]:
             cells = f"{truth[:, place, 0].mean():.3f}", *differences(truth[:, place], theory[:, place])
             rows.append((f"{roll_off:g}", f"{adhesion:g}", f"{pressure:g}", *cells))
     show(("q₀L/2π", "θ", "p/(E*h′/2)", "area", "edge flow: error of the area", "of ū/h_rms"), rows)

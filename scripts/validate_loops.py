@@ -21,7 +21,7 @@ from contact_study.campaign.library import run as run_study
 from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
 from scripts.contact_atlas import AREA, LIGHTEST, deepest, read, stress_of
-from scripts.harness import Option, program, show
+from scripts.harness import Option, minus, program, show
 from scripts.validate_hysteresis import JUMPING_DATA, LEAST
 from theory.edge_flow.apparent_adhesion import adhesion_ratio
 
@@ -114,9 +114,9 @@ def reloading(given: argparse.Namespace) -> None:
         shares = np.where(opened > OPEN, (again - first) / np.where(opened > OPEN, opened, 1.0), np.nan)
         cells = (f"{shares[place]:.2f}" if np.isfinite(shares[place]) else "" for place in SHOWN)
         head = number, f"{known[number].relative_adhesion:.2f}", f"{known[number].jump_ratio:.2f}"
-        rows.append((*head, f"{opened.max():.3f}", *cells, f"{again[-1] / first[-1] - 1:+.4f}"))
+        rows.append((*head, f"{opened.max():.3f}", *cells, minus(f"{again[-1] / first[-1] - 1:+.4f}")))
     loads = (f"at {pressures[place] / LOWEST:.2g} times the lowest load" for place in SHOWN)
-    show(("condition", "θ", "x", "largest opening", *loads, "area at the turning point"), rows)
+    show(("condition", "θ", "x", "largest opening", *loads, "change of the area at the turning point"), rows)
 
 
 def turned(condition: Condition, pressures: np.ndarray, given: argparse.Namespace) -> np.ndarray:
