@@ -1,11 +1,11 @@
 """The contact atlas: a design of adhesive rough contacts, their loops, and one dataset with theories beside them.
 
-python -m scripts.contact_atlas run --tenth            # what the folder lacks; again to resume
-python -m scripts.contact_atlas collect --tenth -o data/contact_atlas_tenth.nc
-python -m scripts.contact_atlas validate data/contact_atlas_tenth.nc
-python -m scripts.contact_atlas areas data/contact_atlas_tenth.nc
+python -m scripts.contact_atlas run --first 50         # what the folder lacks; again to resume
+python -m scripts.contact_atlas collect --first 50 -o data/contact_atlas.nc
+python -m scripts.contact_atlas validate data/contact_atlas.nc
+python -m scripts.contact_atlas areas data/contact_atlas.nc
 
-Without --tenth it is the whole design. Each table (design, areas, grids, cost) can be printed alone.
+Without --first it is the whole design, for which its beginning stands. Tables (design, areas, grids, cost) print alone.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from contact_study.atlas.collection import THEORIES, collect
-from contact_study.atlas.design import JUMPING, LEAST_JUMP, SURFACES, TENTH, WHOLE, Condition, design
+from contact_study.atlas.design import JUMPING, LEAST_JUMP, PUBLISHED, SURFACES, WHOLE, Condition, design
 from contact_study.atlas.loops import PRELOADS, REFINEMENTS, run_condition
 from contact_study.atlas.validation import problems
 from contact_study.campaign.store.files import write_aside
@@ -27,7 +27,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.plots.style import DOUBLE, styled
 from scripts.harness import FIGURE, Option, minus, program, save, show
 
-DATA = Path("data/contact_atlas_tenth.nc")
+DATA = Path("data/contact_atlas.nc")
 SMALL_GRID = 128  # points a side up to which a condition is refined
 LIGHTEST, HEAVIEST = 0.02, 1.2  # pressures of compared states, over half of modulus times rms slope
 LARGEST_ERROR = 0.5  # of the figure's colours
@@ -83,9 +83,13 @@ def check(given: argparse.Namespace) -> int:
 
 
 def numbers(given: argparse.Namespace) -> None:
-    """Print numbers of the whole design, of its tenth, and of the jumping conditions."""
+    """Print numbers of the whole design, of its beginning, and of the jumping conditions."""
     rows = []
-    for name, count, least in (("tenth", TENTH, 0.0), ("whole", WHOLE, 0.0), ("jumping", JUMPING, LEAST_JUMP)):
+    for name, count, least in (
+        (f"first {PUBLISHED}", PUBLISHED, 0.0),
+        ("whole", WHOLE, 0.0),
+        ("jumping", JUMPING, LEAST_JUMP),
+    ):
         conditions, refused = design(count, least_jump=least)
         grids = np.percentile([one.points for one in conditions], (0, 50, 100))
         laws = "/".join(str(sum(one.law == law for one in conditions)) for law in MARKERS)
@@ -298,11 +302,8 @@ def deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
 
 
 def _conditions(given: argparse.Namespace) -> list[Condition]:
-    """Return the conditions of the whole design, of its tenth, or those of some numbers."""
-    asked = (
-        {"count": JUMPING, "least_jump": LEAST_JUMP} if given.jumping else {"count": TENTH if given.tenth else WHOLE}
-    )
-    found = design(**asked)[0]
+    """Return the first conditions of the design, the jumping ones, or those of some numbers."""
+    found = design(JUMPING, least_jump=LEAST_JUMP)[0] if given.jumping else design(given.first)[0]
     if given.numbers is None:
         return found
     known = {one.number: one for one in found}
@@ -339,7 +340,7 @@ main = program(
     run,
     Option("action", str, "step or table", choices=tuple(ACTIONS)),
     Option("file", DATA, "dataset to validate, or of the tables", type=Path),
-    Option("--tenth", False, "first tenth of the design"),
+    Option("--first", WHOLE, "conditions of the design"),
     Option("--jumping", False, "further conditions whose mean asperity jumps"),
     Option("--numbers", int, "conditions by their numbers in the design", nargs="+"),
     Option("--preloads", list(PRELOADS), "of the loops, over E* h'/2"),

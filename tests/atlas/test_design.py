@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from scipy.stats import ks_2samp, qmc
 
-from contact_study.atlas.design import LARGEST_GRID, MODULUS, RANGES, RMS_SLOPE, SIZE, TENTH, Condition, design, drawn
+from contact_study.atlas.design import (
+    LARGEST_GRID,
+    MODULUS,
+    PUBLISHED,
+    RANGES,
+    RMS_SLOPE,
+    SIZE,
+    Condition,
+    design,
+    drawn,
+)
 from contact_study.atlas.loops import study_of
 from contact_study.inputs.errors import InputError
 from contact_study.physics.process_zone import process_zone
@@ -53,12 +63,12 @@ def test_a_design_is_reproducible_and_longer_ones_continue_it():
     assert design(10, seed=2)[0] != short
 
 
-def test_the_tenth_stands_for_the_whole():
-    whole = design()[0]
-    tenth = design(TENTH)[0]
-    assert whole[: len(tenth)] == tenth
+@pytest.mark.parametrize("count", [25, PUBLISHED])
+def test_the_beginning_stands_for_the_whole(count):
+    whole, first = design()[0], design(count)[0]
+    assert whole[:count] == first
     for name in ("hurst_exponent", "cutoff_ratio", "relative_adhesion", "tabor_number", "points"):
-        both = ([getattr(one, name) for one in some] for some in (tenth, whole))
+        both = ([getattr(one, name) for one in some] for some in (first, whole))
         assert ks_2samp(*both).pvalue > 0.3, name
 
 
