@@ -39,7 +39,7 @@ SHOWN_STATES = 3  # compared states on unloading of a condition in the figure
 STRONG = 0.5  # θ from which a surface of this size holds together by many asperities
 PRESSURES = np.geomspace(LIGHTEST, HEAVIEST, 12)  # at which means of surfaces are compared, over E* h'/2
 WORK = "work_of_separation"
-EVENTS = {"work_of_approach": "work of approach", WORK: "work of separation"}
+WORKS = "work of approach", "work of separation"
 
 
 @dataclass(frozen=True)
@@ -155,45 +155,55 @@ def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarr
 
 
 def surfaces(data: xr.Dataset) -> None:
-    """Print the edge flow against means of several surfaces: areas, tension on both ways, and work."""
+    """Print the edge flow against means of several surfaces by condition, then all theories by groups of them."""
+    loops = [data.isel(condition=place, preload=-1) for place in range(data.sizes["condition"])]
     judges = {one.number for one in design(JUMPING, least_jump=LEAST_JUMP)[0][1::2]}
-    found = [_of_surfaces(data.isel(condition=place, preload=-1)) for place in range(data.sizes["condition"])]
-    judging = [int(number) in judges for number in data["condition"]]
+    judging = [int(one["condition"]) in judges for one in loops]
+    columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach", "pull-off"
     rows = []
-    for place, (areas, events) in enumerate(found):
-        one = data.isel(condition=place)
+    for one, judge in zip(loops, judging, strict=True):
+        areas, events = of_surfaces(one, "edge_flow")
         head = int(one["condition"]), MARKERS[str(one["law"].values)][0], f"{float(one['relative_adhesion']):.2f}"
         ratios = (f"{ratio:.2f} ± {error:.2f}" for ratio, error in events)
-        rows.append((*head, "judges" if judging[place] else "", *(_areas([each]) for each in areas), *ratios))
-    for words, some in (("all", [True] * len(found)), ("judging", judging)):
-        chosen = [each for each, holds in zip(found, some, strict=True) if holds]
-        areas = (_areas([each[0][way] for each in chosen]) for way in range(len(WAYS)))
-        ratios = np.abs(np.array([each[1] for each in chosen])[..., 0] - 1).T
-        events = (f"{100 * sizes.mean():.0f}/{100 * sizes.max():.0f} %" for sizes in ratios)
-        rows.append((words, "", "", len(chosen), *areas, *events))
-    areas = "area loading: mean size, 95 % below, worst", "unloading"
-    show(("condition", "law", "θ", "half", *areas, "tension on approach", "pull-off", *EVENTS.values()), rows)
+        rows.append((*head, "judges" if judge else "", *(_areas([each]) for each in areas), *ratios))
+    show(("condition", "law", "θ", "half", *columns, *WORKS), rows)
+    print()
+    rows = []
+    strong = [judge and _strong(one) for one, judge in zip(loops, judging, strict=True)]
+    for words, some in {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong}.items():
+        for theory in THEORIES:
+            found = [of_surfaces(one, theory) for one, holds in zip(loops, some, strict=True) if holds]
+            areas = [_areas([each[0][way] for each in found]) for way in range(len(WAYS))]
+            sizes = np.abs(np.array([each[1] for each in found])[..., 0] - 1).T
+            events = (
+                f"{100 * one.mean():.0f}/{100 * one.max():.0f} %" if np.isfinite(one).all() else "" for one in sizes
+            )
+            rows.append((NAMES[theory], words, len(found), *areas, *events))
+    show(
+        ("theory", "conditions", "number", *columns[:2], "tension on approach: mean size, worst", columns[3], *WORKS),
+        rows,
+    )
 
 
-def _of_surfaces(loops: xr.Dataset) -> tuple[list[np.ndarray], list[tuple[float, float]]]:
+def of_surfaces(loops: xr.Dataset, theory: str) -> tuple[list[np.ndarray], list[tuple[float, float]]]:
     """Return relative errors of mean areas on both ways, and ratios of tensions and works with their standard error."""
-    ones = [loops.isel(surface=place) for place in range(loops.sizes["surface"])]
+    ones = [loops.sel(theory=theory).isel(surface=place) for place in range(loops.sizes["surface"])]
     areas = []
     for way in range(len(WAYS)):
         both = np.array([curves(one, way) for one in ones])  # shape (surfaces, 2, pressures)
-        simulated, theory = both.mean(axis=0)
+        simulated, predicted = both.mean(axis=0)
         partial = (simulated > LEAST) & (simulated < LARGEST)
-        areas.append((theory / simulated - 1)[partial & np.isfinite(theory)])
+        areas.append((predicted / simulated - 1)[partial & np.isfinite(predicted)])
     pairs = [[_approach(one) for one in ones]]
     for name, way in (("pull_off_pressure", "unloading"), ("work_of_approach", "loading"), (WORK, "unloading")):
-        theory = f"theory_{name.replace('approach', 'separation')}"  # on loading it is that of the approach
-        pairs.append([(float(one[name]), float(one[theory].sel(theory="edge_flow", way=way))) for one in ones])
+        predicted = f"theory_{name.replace('approach', 'separation')}"  # on loading it is that of the approach
+        pairs.append([(float(one[name]), float(one[predicted].sel(way=way))) for one in ones])
     return areas, [ratio_of_means(*np.array(each).T) for each in pairs]
 
 
 def curves(one: xr.Dataset, way: int) -> np.ndarray:
-    """Interpolate simulated area and the edge flow's at the compared pressures of one way, NaN beyond its states."""
-    area = one["theory_relative_contact_area"].sel(theory="edge_flow")
+    """Interpolate simulated area and a theory's at the compared pressures of one way, NaN beyond its states."""
+    area = one["theory_relative_contact_area"]
     there = (one["mean_pressure"] > 0) & (one["converged"] == 1) & (one["branch"] == way) & area.notnull()
     pressure = (one["mean_pressure"] / stress_of(one)).values[there]
     order, ends = np.argsort(pressure), {"left": np.nan, "right": np.nan}
@@ -204,9 +214,9 @@ def curves(one: xr.Dataset, way: int) -> np.ndarray:
 
 
 def _approach(one: xr.Dataset) -> tuple[float, float]:
-    """Return the lowest pressure of the way in, simulated and by the edge flow."""
+    """Return the lowest pressure of the way in, simulated and by a theory."""
     simulated = float(one["mean_pressure"].where(one["branch"] == 0).min())
-    return simulated, float(one["theory_pull_off_pressure"].sel(theory="edge_flow", way="loading"))
+    return simulated, float(one["theory_pull_off_pressure"].sel(way="loading"))
 
 
 def ratio_of_means(simulated: np.ndarray, theory: np.ndarray) -> tuple[float, float]:
