@@ -1,7 +1,7 @@
 """The contact atlas: a design of adhesive rough contacts, their loops, and one dataset with theories beside them.
 
-python -m scripts.contact_atlas run --first 50         # what the folder lacks; again to resume
-python -m scripts.contact_atlas collect --first 50 -o data/contact_atlas.nc
+python -m scripts.contact_atlas run --first 75         # what the folder lacks; again to resume
+python -m scripts.contact_atlas collect --first 75 -o data/contact_atlas.nc
 python -m scripts.contact_atlas validate data/contact_atlas.nc
 python -m scripts.contact_atlas areas data/contact_atlas.nc
 

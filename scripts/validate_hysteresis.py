@@ -157,7 +157,7 @@ def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarr
 def surfaces(data: xr.Dataset) -> None:
     """Print the edge flow against means of several surfaces by condition, then all theories by groups of them."""
     loops = [data.isel(condition=place, preload=-1) for place in range(data.sizes["condition"])]
-    judges = {one.number for one in design(JUMPING, least_jump=LEAST_JUMP)[0][1::2]}
+    judges = judging_half()
     judging = [int(one["condition"]) in judges for one in loops]
     columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach", "pull-off"
     rows = []
@@ -183,6 +183,12 @@ def surfaces(data: xr.Dataset) -> None:
         ("theory", "conditions", "number", *columns[:2], "tension on approach: mean size, worst", columns[3], *WORKS),
         rows,
     )
+
+
+def judging_half() -> dict[int, Condition]:
+    """Return the jumping conditions that did not choose k, by number: no row of the table of the fit."""
+    chose = set(read(JUMPING_DATA)["condition"].values[::2].tolist())
+    return {one.number: one for one in design(JUMPING, least_jump=LEAST_JUMP)[0] if one.number not in chose}
 
 
 def of_surfaces(loops: xr.Dataset, theory: str) -> tuple[list[np.ndarray], list[tuple[float, float]]]:
@@ -227,12 +233,11 @@ def ratio_of_means(simulated: np.ndarray, theory: np.ndarray) -> tuple[float, fl
 
 
 def distributions(data: xr.Dataset) -> None:
-    """Print deviations and skewness of the edge flow's local gaps and pressures against simulated ones, by way."""
-    known = {one.number: one for one in design(JUMPING, least_jump=LEAST_JUMP)[0]}
-    rows = []
+    """Print errors of the edge flow's deviations and skewness of local gap and pressure, on the half that judges."""
+    judges, rows = judging_half(), []
     for number in data["condition"].values:
-        condition = known[int(number)]
-        if condition.traction_law.has_wall:
+        condition = judges.get(int(number))
+        if condition is None or condition.traction_law.has_wall:
             continue  # no density of the pressure in the edge flow
         for place, way in enumerate(WAYS):
             errors = np.concatenate(

@@ -208,7 +208,7 @@ def test_moments_of_two_values():
 
 
 def test_distributions_of_the_edge_flow_are_compared_at_states_of_both_ways(capsys):
-    data = contact_atlas.read(SURFACES).sel(condition=[127], surface=[1])
+    data = contact_atlas.read(SURFACES).sel(condition=[129], surface=[1])
     validate_hysteresis.distributions(data)
     out = capsys.readouterr().out
     for way in ("loading", "unloading"):
