@@ -247,9 +247,7 @@ def picture(data: xr.Dataset) -> Figure:
     laws = np.array([str(one["law"].values) for one in found])
     columns = {
         f"area at {SHOWN:g} E*h′/2": [_area(one) for one in found],
-        r"loss of the loop / $\Delta\gamma$": [
-            float((one.dissipated_energy + one.unaccounted_work).max() / one.work_of_adhesion) for one in found
-        ],
+        r"loss of the loop / $\Delta\gamma$": [_lost(one) / float(one["work_of_adhesion"]) for one in found],
         "pull-off / (E*h′/2)": [float(-one.pull_off_pressure) / stress_of(one) for one in found],
         **{f"error of area: {NAMES[theory]}": [_mean_error(one, theory) for one in found] for theory in THEORIES},
     }
@@ -279,6 +277,12 @@ def picture(data: xr.Dataset) -> Figure:
 def stress_of(one: xr.Dataset) -> float:
     """Return half of modulus times rms slope of a surface (Pa)."""
     return float(0.5 * one["contact_modulus"] * one["rms_slope"])
+
+
+def _lost(one: xr.Dataset) -> float:
+    """Return the loss of a whole loop (J/m²): that up to its last state, where errors of the two ways have balanced."""
+    lost = (one["dissipated_energy"] + one["unaccounted_work"]).values
+    return float(lost[np.isfinite(lost)][-1])
 
 
 def _area(one: xr.Dataset) -> float:
