@@ -160,9 +160,9 @@ def surfaces(data: xr.Dataset) -> None:
     judges = judging_half()
     judging = [int(one["condition"]) in judges for one in loops]
     columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach", "pull-off"
+    results = {theory: [of_surfaces(one, theory) for one in loops] for theory in THEORIES}
     rows = []
-    for one, judge in zip(loops, judging, strict=True):
-        areas, events = of_surfaces(one, "edge_flow")
+    for one, judge, (areas, events) in zip(loops, judging, results["edge_flow"], strict=True):
         head = int(one["condition"]), MARKERS[str(one["law"].values)][0], f"{float(one['relative_adhesion']):.2f}"
         ratios = (f"{ratio:.2f} ± {error:.2f}" for ratio, error in events)
         rows.append((*head, "judges" if judge else "", *(_areas([each]) for each in areas), *ratios))
@@ -172,7 +172,7 @@ def surfaces(data: xr.Dataset) -> None:
     strong = [judge and _strong(one) for one, judge in zip(loops, judging, strict=True)]
     for words, some in {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong}.items():
         for theory in THEORIES:
-            found = [of_surfaces(one, theory) for one, holds in zip(loops, some, strict=True) if holds]
+            found = [each for each, holds in zip(results[theory], some, strict=True) if holds]
             areas = [_areas([each[0][way] for each in found]) for way in range(len(WAYS))]
             sizes = np.abs(np.array([each[1] for each in found])[..., 0] - 1).T
             events = (
