@@ -247,7 +247,9 @@ def picture(data: xr.Dataset) -> Figure:
     laws = np.array([str(one["law"].values) for one in found])
     columns = {
         f"area at {SHOWN:g} E*h′/2": [_area(one) for one in found],
-        r"loss of the loop / $\Delta\gamma$": [_lost(one) / float(one["work_of_adhesion"]) for one in found],
+        r"loss of the loop / $\Delta\gamma$": [
+            float(lost_of(one).dropna("step")[-1] / one["work_of_adhesion"]) for one in found
+        ],
         "pull-off / (E*h′/2)": [float(-one.pull_off_pressure) / stress_of(one) for one in found],
         **{f"error of area: {NAMES[theory]}": [_mean_error(one, theory) for one in found] for theory in THEORIES},
     }
@@ -279,10 +281,9 @@ def stress_of(one: xr.Dataset) -> float:
     return float(0.5 * one["contact_modulus"] * one["rms_slope"])
 
 
-def _lost(one: xr.Dataset) -> float:
-    """Return the loss of a whole loop (J/m²): that up to its last state, where errors of the two ways have balanced."""
-    lost = (one["dissipated_energy"] + one["unaccounted_work"]).values
-    return float(lost[np.isfinite(lost)][-1])
+def lost_of(one: xr.Dataset) -> xr.DataArray:
+    """Return the loss up to each state (J/m²); errors near full contact balance at the end of the loop."""
+    return one["dissipated_energy"] + one["unaccounted_work"]
 
 
 def _area(one: xr.Dataset) -> float:
@@ -308,12 +309,15 @@ def deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
 def _conditions(given: argparse.Namespace) -> list[Condition]:
     """Return the first conditions of the design, the jumping ones, or those of some numbers."""
     found = design(JUMPING, least_jump=LEAST_JUMP)[0] if given.jumping else design(given.first)[0]
-    if given.numbers is None:
-        return found
-    known = {one.number: one for one in found}
-    if lacking := [number for number in given.numbers if number not in known]:
+    return found if given.numbers is None else by_number(found, given.numbers)
+
+
+def by_number(conditions: list[Condition], numbers: list[int]) -> list[Condition]:
+    """Choose conditions by their numbers; InputError for a number that none has."""
+    known = {one.number: one for one in conditions}
+    if lacking := [number for number in numbers if number not in known]:
         raise InputError(f"--numbers {lacking[0]}: is no condition of the design; see the dataset's condition")
-    return [known[number] for number in given.numbers]
+    return [known[number] for number in numbers]
 
 
 def _refined(conditions: list[Condition], count: int) -> set[int]:

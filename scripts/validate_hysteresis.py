@@ -22,8 +22,10 @@ from matplotlib.figure import Figure
 from contact_study.atlas.collection import THEORIES, WAYS
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, Condition, design
 from contact_study.atlas.loops import CORES, seeds_of, theory_study_of
+from contact_study.numerics.distributions import moments
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.plots.style import DOUBLE, styled
-from contact_study.study.case import realise
+from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
 from scripts.contact_atlas import AREA, DATA, HEAVIEST, LIGHTEST, MARKERS, NAMES, compared, deepest, read, stress_of
 from scripts.harness import FIGURE, Option, minus, program, save, show
@@ -38,7 +40,11 @@ LEAST, LARGEST = 0.02, 0.98  # areas that are compared
 SHOWN_STATES = 3  # compared states on unloading of a condition in the figure
 STRONG = 0.5  # θ from which a surface of this size holds together by many asperities
 PRESSURES = np.geomspace(LIGHTEST, HEAVIEST, 12)  # at which means of surfaces are compared, over E* h'/2
-WORK = "work_of_separation"
+EVENTS = (  # of a loop, the theory's, and its branch; on loading its work of separation is that of the approach
+    ("pull_off_pressure", "pull_off_pressure", "unloading"),
+    ("work_of_approach", "work_of_separation", "loading"),
+    ("work_of_separation", "work_of_separation", "unloading"),
+)
 WORKS = "work of approach", "work of separation"
 
 
@@ -143,8 +149,7 @@ def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarr
     cores = CORES if condition.traction_law.has_wall else (0.0,)
     by_core = []
     for core in cores:
-        case = make_study(theory_study_of(condition, seed, pressures.tolist(), core)).cases[0]
-        spectrum = roughness(case, realise(case), "surface")
+        case, spectrum = theory_input(condition, seed, pressures, core)
         by_ratio = []
         for ratio in RATIOS:
             flow = edge_flow(spectrum, case.solid, stronger(case.law, ratio), 1.1 * float(pressures.max()))
@@ -152,6 +157,14 @@ def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarr
             by_ratio.append([each.fraction_below(case.contact_distance) for each in states])
         by_core.append(np.array(by_ratio))
     return 2 * by_core[0] - by_core[-1]
+
+
+def theory_input(
+    condition: Condition, seed: int, pressures: np.ndarray, core: float = 0.0
+) -> tuple[Case, RoughnessSpectrum]:
+    """Return what a theory takes of one surface of a condition at pressures (Pa): its case, and its spectrum."""
+    case = make_study(theory_study_of(condition, seed, pressures.tolist(), core)).cases[0]
+    return case, roughness(case, realise(case), "surface")
 
 
 def surfaces(data: xr.Dataset) -> None:
@@ -201,9 +214,8 @@ def of_surfaces(loops: xr.Dataset, theory: str) -> tuple[list[np.ndarray], list[
         partial = (simulated > LEAST) & (simulated < LARGEST)
         areas.append((predicted / simulated - 1)[partial & np.isfinite(predicted)])
     pairs = [[_approach(one) for one in ones]]
-    for name, way in (("pull_off_pressure", "unloading"), ("work_of_approach", "loading"), (WORK, "unloading")):
-        predicted = f"theory_{name.replace('approach', 'separation')}"  # on loading it is that of the approach
-        pairs.append([(float(one[name]), float(one[predicted].sel(way=way))) for one in ones])
+    for name, predicted, way in EVENTS:
+        pairs.append([(float(one[name]), float(one[f"theory_{predicted}"].sel(way=way))) for one in ones])
     return areas, [ratio_of_means(*np.array(each).T) for each in pairs]
 
 
@@ -259,9 +271,7 @@ def _of_distributions(one: xr.Dataset, condition: Condition, place: int) -> np.n
     there = np.flatnonzero(partial_contact(one) & (one["branch"].values == place))
     if not there.size:
         return np.empty((0, 4))
-    seed = seeds_of(condition, int(one["surface"]))[-1]
-    case = make_study(theory_study_of(condition, seed, pressure[there].tolist())).cases[0]
-    spectrum = roughness(case, realise(case), "surface")
+    case, spectrum = theory_input(condition, seeds_of(condition, int(one["surface"]))[-1], pressure[there])
     flow = edge_flow(spectrum, case.solid, case.law, 1.1 * float(pressure[there].max()), branch=WAYS[place])
     errors = []
     for step in there:
@@ -274,13 +284,6 @@ def _of_distributions(one: xr.Dataset, condition: Condition, place: int) -> np.n
             pairs += [skewness - float(one[f"{name}_skewness"][step])]
         errors.append(pairs)
     return np.array(errors)
-
-
-def moments(values: np.ndarray, weights: np.ndarray) -> tuple[float, float]:
-    """Return standard deviation and skewness of weighted values."""
-    mean = np.average(values, weights=weights)
-    deviation = np.sqrt(np.average((values - mean) ** 2, weights=weights))
-    return float(deviation), float(np.average((values - mean) ** 3, weights=weights) / deviation**3)
 
 
 @styled

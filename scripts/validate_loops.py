@@ -20,7 +20,7 @@ from contact_study.atlas.loops import file_of, seeds_of, study_of
 from contact_study.campaign.library import run as run_study
 from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
-from scripts.contact_atlas import AREA, LIGHTEST, deepest, read, stress_of
+from scripts.contact_atlas import AREA, LIGHTEST, by_number, deepest, lost_of, read, stress_of
 from scripts.harness import Option, minus, program, show
 from scripts.validate_hysteresis import JUMPING_DATA, LEAST
 from theory.edge_flow.apparent_adhesion import adhesion_ratio
@@ -105,15 +105,14 @@ def preloads(given: argparse.Namespace) -> None:
 
 def reloading(given: argparse.Namespace) -> None:
     """Print how far reloading from a light load is from first loading, in parts of what unloading is, over the load."""
-    known = {one.number: one for one in design(JUMPING, least_jump=LEAST_JUMP)[0]}
     pressures = np.geomspace(LOWEST, TURN, STEPS)
     rows = []
-    for number in given.numbers:
-        first, back, again = turned(known[number], pressures, given)
+    for condition in by_number(design(JUMPING, least_jump=LEAST_JUMP)[0], given.numbers):
+        first, back, again = turned(condition, pressures, given)
         opened = back - first
         shares = np.where(opened > OPEN, (again - first) / np.where(opened > OPEN, opened, 1.0), np.nan)
         cells = (f"{shares[place]:.2f}" if np.isfinite(shares[place]) else "" for place in SHOWN)
-        head = number, f"{known[number].relative_adhesion:.2f}", f"{known[number].jump_ratio:.2f}"
+        head = condition.number, f"{condition.relative_adhesion:.2f}", f"{condition.jump_ratio:.2f}"
         rows.append((*head, f"{opened.max():.3f}", *cells, minus(f"{again[-1] / first[-1] - 1:+.4f}")))
     loads = (f"at {pressures[place] / LOWEST:.2g} times the lowest load" for place in SHOWN)
     show(("condition", "θ", "x", "largest opening", *loads, "change of the area at the turning point"), rows)
@@ -151,12 +150,10 @@ def measured_ratio(one: xr.Dataset) -> tuple[float, float] | None:
     pressure = one["mean_pressure"].values / stress_of(one)
     there = np.flatnonzero(np.isfinite(pressure))
     pressure, turn = pressure[there], int(np.argmax(pressure[there]))
-    names = (AREA, "dissipated_energy", "unaccounted_work")
-    area, jumps, small = (one[name].values[there] for name in names)
+    area, lost = one[AREA].values[there], lost_of(one).values[there]
     start, end = _crossing(pressure[: turn + 1][::-1]), _crossing(pressure[turn:])
     if start is None or end is None:
         return None
-    lost = jumps + small
     change, loss = area[turn] - _at(area, turn - start), _at(lost, turn + end) - _at(lost, turn - start)
     radius, modulus = 1 / float(one["rms_curvature"]), float(one["contact_modulus"])
     number = maugis_parameter(radius, modulus, work, float(one["peak_tensile_stress"])) / LAWS[law].jump_onset

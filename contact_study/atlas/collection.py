@@ -21,6 +21,7 @@ from contact_study.atlas.loops import (
     unloading_states,
 )
 from contact_study.inputs.errors import InputError
+from contact_study.numerics.distributions import moments
 from contact_study.results.path_results import unaccounted
 from contact_study.results.schema import CONVENTIONS, variable_of
 from contact_study.version import __version__
@@ -232,18 +233,14 @@ def _lost(loop: xr.Dataset) -> xr.DataArray:
 
 def _moments(density: xr.DataArray, what: str) -> dict[str, xr.DataArray]:
     """Standard deviation and skewness of a distribution."""
-    dim = f"{what}_bin"
-    at = density[dim]
-    share = density / density.sum(dim)
-    mean = (share * at).sum(dim)
-    deviation = np.sqrt((share * (at - mean) ** 2).sum(dim))
-    skewness = (share * (at - mean) ** 3).sum(dim) / deviation**3
-    units = at.attrs["units"]
+    at = density[f"{what}_bin"]
+    words = {"standard_deviation": ("standard deviation", at.attrs["units"]), "skewness": ("skewness", "1")}
+    found = moments(at.values, density.transpose("step", at.name).values)
     return {
-        f"{what}_standard_deviation": deviation.assign_attrs(
-            units=units, long_name=f"standard deviation of the local {what}"
-        ),
-        f"{what}_skewness": skewness.assign_attrs(units="1", long_name=f"skewness of the local {what}"),
+        f"{what}_{name}": xr.DataArray(
+            value, dims="step", attrs={"units": units, "long_name": f"{word} of the local {what}"}
+        )
+        for (name, (word, units)), value in zip(words.items(), found, strict=True)
     }
 
 

@@ -15,6 +15,15 @@ def probability_density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
     return counts / (values.size * np.diff(edges))
 
 
+def moments(values: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Standard deviation and skewness of values, shape (n,), by weights, shape (..., n); NaN without weight."""
+    with np.errstate(invalid="ignore"):
+        share = weights / weights.sum(axis=-1, keepdims=True)
+        off = values - (share @ values)[..., None]
+        deviation = np.sqrt((share * off**2).sum(axis=-1))
+        return deviation, (share * off**3).sum(axis=-1) / deviation**3
+
+
 def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:
     """Transfer a density, shape (..., n), constant within each bin, to other bins; exact between edges of both sets."""
     cumulative = np.cumsum(density * np.diff(edges), axis=-1)

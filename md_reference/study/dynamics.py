@@ -195,7 +195,7 @@ class _Run:
                 "mechanical_energy": kinetic + whole + interaction + lifted,
             },
             atoms=self._atoms(motion) if apart or at.frame == at.frames else {},
-            wall_bounded=(),
+            wall_bounded=law.wall_bounded(case.contact_distance),
         )
 
     def _atoms(self, motion: Motion) -> dict[str, np.ndarray]:

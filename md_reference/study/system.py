@@ -74,5 +74,5 @@ def interface_state(case: Case, solution: Solution) -> InterfaceState:
         restart={"state": solution.state},
         spacing=(case.lattice.constant, case.lattice.constant),
         atoms={} if case.output.atoms == "none" else surface_atoms(solution.displacement, np.stack(stress)),
-        wall_bounded=(),
+        wall_bounded=case.law.wall_bounded(case.contact_distance),
     )

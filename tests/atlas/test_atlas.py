@@ -12,6 +12,7 @@ from contact_study.atlas.design import STRESS, Condition
 from contact_study.atlas.loops import run_condition
 from contact_study.atlas.validation import problems
 from contact_study.inputs.errors import InputError
+from contact_study.numerics.distributions import moments
 from scripts import contact_atlas, validate_hysteresis, validate_loops
 from theory.edge_flow.apparent_adhesion import AREA_ERRORS
 
@@ -202,9 +203,7 @@ def test_a_summit_loses_the_steps_of_jkrs_energy():
 
 def test_moments_of_two_values():
     """Zero with weight 3 and 4 with weight 1: variance 3, skewness 2/√3."""
-    assert validate_hysteresis.moments(np.array([0.0, 4.0]), np.array([3.0, 1.0])) == pytest.approx(
-        (np.sqrt(3), 2 / np.sqrt(3))
-    )
+    assert moments(np.array([0.0, 4.0]), np.array([3.0, 1.0])) == pytest.approx((np.sqrt(3), 2 / np.sqrt(3)))
 
 
 def test_distributions_of_the_edge_flow_are_compared_at_states_of_both_ways(capsys):

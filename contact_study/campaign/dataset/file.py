@@ -91,12 +91,13 @@ def opened(path: Path, option: str = "") -> Iterator[xr.Dataset]:
 def attributes_of(path: Path) -> dict[str, Any] | None:
     """Global attributes of a dataset; None if there is no readable one."""
     with suppress(InputError):
-        if is_zarr(path) and is_dataset(path):
+        if not is_dataset(path):
+            return None
+        if is_zarr(path):
             with opened(path) as dataset:
                 return dict(dataset.attrs)
-        elif is_dataset(path):  # without its variables, which xarray would decode
-            with readable(path), netCDF4.Dataset(path) as file:
-                return {name: file.getncattr(name) for name in file.ncattrs()}
+        with readable(path), netCDF4.Dataset(path) as file:  # without its variables, which xarray would decode
+            return {name: file.getncattr(name) for name in file.ncattrs()}
     return None
 
 
