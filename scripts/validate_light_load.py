@@ -12,65 +12,51 @@ import sys
 import numpy as np
 
 from bem_adhesion import rough_contact
-from contact_study.physics.laws import LennardJones104
-from contact_study.physics.process_zone import process_zone, resolving_shape
-from contact_study.physics.solids import HalfSpace
-from contact_study.physics.spheres.numbers import tabor_parameter
+from contact_study.atlas.design import MODULUS, SIZE, Condition
+from contact_study.physics.laws import TractionLaw
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.study.schema.modes import spectrum_of_modes
 from scripts.harness import Option, minus, program, rough_surface, show, walk
 from theory import edge_flow
 
-SIZE, HEIGHT, MODULUS = 1e-6, 1e-9, 1e9  # m, m, Pa
-HURST, RATIO = 0.5, 8.0  # Hurst exponent, cutoff over roll-off
-CONDITIONS = tuple((roll_off, adhesion) for roll_off in (2.0, 4.0) for adhesion in (0.1, 0.3))  # modes; θ
-TABOR = 0.3  # of the mean asperity: without hysteresis
-PRESSURES = 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6  # over half of the modulus times the rms slope
+CONDITIONS = tuple(  # of a Tabor number without hysteresis
+    Condition(0, 0.5, 8.0, adhesion, 0.3, "lennard_jones_10_4", "half_space", roll_off)
+    for roll_off in (2.0, 4.0)
+    for adhesion in (0.1, 0.3)
+)
+PRESSURES = 0.01, 0.04, 0.15, 0.6  # over half of the modulus times the rms slope
 
 
 def run(given: argparse.Namespace) -> None:
     rows = []
-    for roll_off, adhesion in CONDITIONS:
-        modes = (1.0, roll_off, RATIO * roll_off)
-        law, points = law_and_grid(modes, adhesion)
+    for one in CONDITIONS:
+        law, height = one.traction_law, one.spectrum.rms_height
+        keys = dict(zip(("low_mode", "roll_off_mode", "cutoff_mode"), one.modes, strict=True))
         pairs = []
         for seed in range(1, given.surfaces + 1):
-            keys = dict(zip(("low_mode", "roll_off_mode", "cutoff_mode"), modes, strict=True))
-            surface = rough_surface(SIZE, points, HEIGHT, hurst_exponent=HURST, seed=seed, **keys)
+            surface = rough_surface(SIZE, one.points, height, hurst_exponent=one.hurst_exponent, seed=seed, **keys)
             pressures = [0.5 * share * MODULUS * surface.rms_slope for share in PRESSURES]
             pairs.append((simulated(surface, law, pressures), of_edge_flow(surface, law, pressures)))
-        truth, theory = np.moveaxis(np.array(pairs), 1, 0)  # shapes (surfaces, pressures, quantities)
-        for place, pressure in list(enumerate(PRESSURES))[::2]:
-            cells = f"{truth[:, place, 0].mean():.3f}", *differences(truth[:, place], theory[:, place])
-            rows.append((f"{roll_off:g}", f"{adhesion:g}", f"{pressure:g}", *cells))
+        # Shapes (pressures, surfaces, quantities); gaps over the rms height.
+        truth, theory = np.moveaxis(np.array(pairs), (1, 2), (0, 1)) / (1, height)
+        for pressure, *both in zip(PRESSURES, truth, theory, strict=True):
+            cells = f"{both[0][:, 0].mean():.3f}", *differences(*both)
+            rows.append((f"{one.roll_off_mode:g}", f"{one.relative_adhesion:g}", f"{pressure:g}", *cells))
     show(("q₀L/2π", "θ", "p/(E*h′/2)", "area", "edge flow: error of the area", "of ū/h_rms"), rows)
 
 
-def law_and_grid(modes: tuple[float, float, float], adhesion: float) -> tuple[LennardJones104, int]:
-    """Return the law of a relative adhesion θ, and points a side of a grid that resolves its process zone."""
-    spectrum = spectrum_of_modes(HURST, HEIGHT, modes, (SIZE, SIZE))
-    work = adhesion * float(spectrum.full_contact_energy(HalfSpace(MODULUS).stiffness))
-    length = float(tabor_parameter(2 / spectrum.rms_laplacian, MODULUS, work, 1.0)) / TABOR
-    law = LennardJones104(work, length)
-    return law, resolving_shape((SIZE, SIZE), min(process_zone(MODULUS, law), SIZE / modes[-1]))[0]
-
-
-def simulated(surface: Surface, law: LennardJones104, pressures: list[float]) -> list[tuple[float, float]]:
-    """Return area, and mean gap over the rms height, by pressure."""
+def simulated(surface: Surface, law: TractionLaw, pressures: list[float]) -> list[tuple[float, float]]:
+    """Return area and mean gap (m) by pressure."""
     found = []
     for state in walk(rough_contact(surface.sampled, SIZE, MODULUS, law), pressures):
         area = float(np.mean(state.gap < law.contact_distance))
-        found.append((area, (float(state.gap.mean()) - law.equilibrium_distance) / HEIGHT))
+        found.append((area, float(state.gap.mean()) - law.equilibrium_distance))
     return found
 
 
-def of_edge_flow(surface: Surface, law: LennardJones104, pressures: list[float]) -> list[tuple[float, float]]:
+def of_edge_flow(surface: Surface, law: TractionLaw, pressures: list[float]) -> list[tuple[float, float]]:
     flow = edge_flow(surface.measured_spectrum(), MODULUS, law, 1.1 * max(pressures))
     states = [flow.at_pressure(pressure) for pressure in pressures]
-    return [
-        (state.fraction_below(law.contact_distance), (state.mean_gap - law.equilibrium_distance) / HEIGHT)
-        for state in states
-    ]
+    return [(state.fraction_below(law.contact_distance), state.mean_gap - law.equilibrium_distance) for state in states]
 
 
 def differences(truth: np.ndarray, theory: np.ndarray) -> tuple[str, str]:

@@ -24,7 +24,6 @@ SURFACES = 4  # of each condition of the whole design
 SIZE, MODULUS, POISSONS_RATIO, RMS_SLOPE = 1e-6, 1e9, 0.4, 0.1  # m, Pa, 1, 1
 STRESS = 0.5 * MODULUS * RMS_SLOPE  # of full contact with a half-space (Pa)
 ROLL_OFF_MODE = 2.0
-THICKNESS = SIZE / (4 * ROLL_OFF_MODE)  # of a layer: a quarter of the wave of the roll-off (m)
 LARGEST_GRID = 512  # points a side
 LONGEST_RANGE = 1.0  # of adhesion, over the rms height
 LEAST_JUMP = 1.1  # of the jumping conditions: Maugis' number of the mean asperity over that from which one jumps
@@ -55,6 +54,8 @@ class Condition:
         μ of the mean asperity, of radius 2 / rms Laplacian.
     law, solid : str
         As in the sections ``[interaction]`` and ``[elasticity]`` of a study.
+    roll_off_mode : float, optional
+        q_0, in waves a side.
     """
 
     number: int
@@ -64,10 +65,16 @@ class Condition:
     tabor_number: float
     law: str
     solid: str
+    roll_off_mode: float = ROLL_OFF_MODE
 
     @property
     def modes(self) -> Modes:
-        return 1.0, ROLL_OFF_MODE, ROLL_OFF_MODE * self.cutoff_ratio
+        return 1.0, self.roll_off_mode, self.roll_off_mode * self.cutoff_ratio
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of a layer: a quarter of the wave of the roll-off (m)."""
+        return SIZE / (4 * self.roll_off_mode)
 
     @cached_property
     def spectrum(self) -> SelfAffineSpectrum:
@@ -80,7 +87,7 @@ class Condition:
     def elasticity(self) -> Elasticity:
         if self.solid == "half_space":
             return HalfSpace(MODULUS)
-        return Layer(MODULUS, POISSONS_RATIO, THICKNESS)
+        return Layer(MODULUS, POISSONS_RATIO, self.thickness)
 
     @property
     def work_of_adhesion(self) -> float:

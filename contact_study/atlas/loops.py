@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.atlas.design import MODULUS, POISSONS_RATIO, SIZE, STRESS, THICKNESS, Condition
+from contact_study.atlas.design import MODULUS, POISSONS_RATIO, SIZE, STRESS, Condition
 from contact_study.campaign.library import run
 
 PRELOADS = (0.1, 0.4, 2.0)  # over the stress E* h'/2
@@ -57,7 +57,7 @@ def study_of(
     forces = [preload * STRESS * SIZE**2 for preload in preloads]
     solid: dict[str, Any] = {"kind": condition.solid}
     if condition.solid == "layer":
-        solid["thickness"] = THICKNESS
+        solid["thickness"] = condition.thickness
     return {
         "study": {"title": f"contact atlas, condition {condition.number}"},
         "surface": _surface(condition, points),
