@@ -22,7 +22,7 @@ BLOCK = 32768  # points at a time: arrays between two loops over so many stay in
 # far from the rounding of single precision; and, larger, where a contact stiffness is computed.
 HELD, PINNED = 1e3, 1e6
 LEAST_EXPONENT = -700.0  # smaller ones are raised to it: an exponential that rounds to zero takes 14 times as long
-NO_SUMMAND = 1e-17  # negligible beside one in double precision
+SMALL = 1e-8  # its square is negligible beside one in double precision
 # s^(m+6) at which tangents bound the root of s^(m+6) − s^m = y from above.
 _TANGENTS = (1.0, 1.1**11, 1.25**11, 1.6**11)
 
@@ -173,29 +173,35 @@ class ExponentialKernels(WallKernels):
         return total
 
 
+@kernel
+def _dugdale(past, fading, strength, traction, stiffness, mapped, plateau, width):
+    """Evaluate Dugdale's law, over ``fading`` = exp(−|past|); sum the energy over −plateau·width."""
+    total = 0.0
+    for i in range(past.size):
+        x, f = past[i], fading[i]
+        factor = strength[i] if mapped else 1.0
+        share = 1.0 / (1.0 + f)
+        traction[i] = factor * plateau * (share * f if x > 0.0 else share)
+        stiffness[i] = -factor * plateau / width * share * share * f
+        # Off the ramp, where most points are, two terms are the logarithm in double precision.
+        logarithm = np.log1p(f) if f > SMALL else f - 0.5 * f * f
+        total += factor * (logarithm - min(x, 0.0))
+    return total
+
+
 class DugdaleKernels(WallKernels):
-    """Kernels of Dugdale's law, by one exponential and one logarithm a point."""
+    """Kernels of Dugdale's law, compiled but for the exponential."""
 
     law: Dugdale
 
     def evaluate(self, gap, traction, stiffness, strength=None):
         law, total = self.law, 0.0
+        mapped = strength is not None
         for here in blocks(gap):
             past = (gap[here] - law.length) / law.width
-            exponent = np.maximum(-np.abs(past), LEAST_EXPONENT)
-            fading = np.exp(exponent, out=exponent)
-            share = 1 / (1 + fading)
-            faded = share * fading
-            np.multiply(law.plateau, np.where(past > 0, faded, share), out=traction[here])
-            np.multiply(-law.plateau / law.width * share, faded, out=stiffness[here], casting="same_kind")
-            # Off the ramp, where most points are, the logarithm vanishes.
-            ramp = fading > NO_SUMMAND
-            rest, held = np.log1p(fading[ramp]), np.minimum(past, 0.0)
-            if strength is not None:
-                traction[here] *= strength[here]
-                stiffness[here] *= strength[here]
-                rest, held = strength[here][ramp] * rest, strength[here] * held
-            total += float(rest.sum() - held.sum())
+            fading = np.exp(np.maximum(-np.abs(past), LEAST_EXPONENT))
+            fields = (past, fading, fading if strength is None else strength[here], traction[here], stiffness[here])
+            total += float(_dugdale(*(field.reshape(-1) for field in fields), mapped, law.plateau, law.width))
         return -law.plateau * law.width * total
 
 
