@@ -21,7 +21,7 @@ from contact_study.atlas.loops import (
     unloading_states,
 )
 from contact_study.inputs.errors import InputError
-from contact_study.numerics.distributions import moments
+from contact_study.numerics.distributions import cumulative, moments
 from contact_study.results.path_results import unaccounted
 from contact_study.results.schema import CONVENTIONS, variable_of
 from contact_study.version import __version__
@@ -98,8 +98,15 @@ _OF_GRIDS = (
     "dissipated_energy",
     "pull_off_pressure",
 )
-# Distributions and the name, in the dataset, of what is distributed.
-_DISTRIBUTED = {"gap_pdf": "gap", "pressure_pdf": "pressure"}
+# Distributions, with the name, in the dataset, of what is distributed, its unit and edges of coarse bins over the unit.
+_DISTRIBUTED = {
+    "gap_pdf": ("gap", "rms_height", (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)),
+    "pressure_pdf": ("pressure", "stress_unit", (-4.0, -2.0, -1.0, -0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1.0, 2.0, 4.0)),
+}
+_EDGES = {
+    f"{what}_edge": (f"{what}_edge", list(edges), {"units": "1", "long_name": f"edges of coarse bins over {unit}"})
+    for what, unit, edges in _DISTRIBUTED.values()
+}
 _DESIGNED = {
     "hurst_exponent": "Hurst exponent",
     "cutoff_ratio": "cutoff over roll-off wavevector",
@@ -212,14 +219,15 @@ def _loop(loop: xr.Dataset) -> xr.Dataset:
         known = variable_of(name)
         given = loop[name] if name in loop else xr.DataArray(np.nan)
         found[name] = given.assign_attrs(units=known.units, long_name=known.long_name)
-    for name, what in _DISTRIBUTED.items():
-        found |= {
-            key: value.where(there).assign_attrs(value.attrs) for key, value in _moments(loop[name], what).items()
-        }
+    for name, (what, unit, edges) in _DISTRIBUTED.items():
+        scale = STRESS if unit == "stress_unit" else float(loop[unit])
+        shapes = _moments(loop[name], what) | _coarse(loop[name], what, scale, edges)
+        found |= {key: value.where(there).assign_attrs(value.attrs) for key, value in shapes.items()}
     known = variable_of("unaccounted_work")
     attributes = {"units": known.units, "long_name": known.long_name}
     found["unaccounted_work"] = (_lost(loop) - loop["dissipated_energy"]).where(there).assign_attrs(attributes)
-    return xr.Dataset({name: value.drop_vars(list(value.coords)) for name, value in found.items()})
+    bare = xr.Dataset({name: value.drop_vars(list(value.coords)) for name, value in found.items()})
+    return bare.assign_coords(_EDGES)
 
 
 def _lost(loop: xr.Dataset) -> xr.DataArray:
@@ -242,6 +250,15 @@ def _moments(density: xr.DataArray, what: str) -> dict[str, xr.DataArray]:
         )
         for (name, (word, units)), value in zip(words.items(), found, strict=True)
     }
+
+
+def _coarse(density: xr.DataArray, what: str, unit: float, edges: Sequence[float]) -> dict[str, xr.DataArray]:
+    """Share of the surface below each edge of coarse bins."""
+    at = density[f"{what}_bin"].values
+    fine = np.append(at, 2 * at[-1] - at[-2]) - 0.5 * (at[1] - at[0])
+    below = cumulative(density.transpose("step", f"{what}_bin").values, fine, unit * np.array(edges))
+    attributes = {"units": "1", "long_name": f"share of the surface whose {what} is below the edge of a bin"}
+    return {f"{what}_below": xr.DataArray(below, dims=("step", f"{what}_edge"), attrs=attributes)}
 
 
 def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:

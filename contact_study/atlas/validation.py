@@ -24,6 +24,8 @@ _RANGES = {
     "relative_contact_area": _SHARE,
     "relative_repulsive_area": _SHARE,
     "largest_cluster_area": _SHARE,
+    "gap_below": _SHARE,
+    "pressure_below": _SHARE,
     "elastic_energy": _POSITIVE,
     "contact_perimeter": _POSITIVE,
     "mean_patch_diameter": _POSITIVE,
@@ -62,7 +64,7 @@ def problems(dataset: xr.Dataset) -> list[str]:
     found = [f"{name}: is missing" for name in REQUIRED if name not in dataset]
     for name in map(str, dataset.data_vars):
         found += _of_variable(name, dataset[name])
-    for check in (_convergence, _areas, _losses, _strength, _grid, _content):
+    for check in (_convergence, _areas, _distributions, _losses, _strength, _grid, _content):
         found += check(dataset)
     return found
 
@@ -113,6 +115,15 @@ def _areas(dataset: xr.Dataset) -> list[str]:
         return []
     more = dataset["relative_repulsive_area"] > dataset["relative_contact_area"] + _ROUNDING
     return _counted(more, "relative_repulsive_area: exceeds relative_contact_area")
+
+
+def _distributions(dataset: xr.Dataset) -> list[str]:
+    found = []
+    for what in ("gap", "pressure"):
+        if _has(dataset, f"{what}_below", f"{what}_edge"):
+            fallen = dataset[f"{what}_below"].diff(f"{what}_edge") < -_ROUNDING
+            found += _counted(fallen, f"{what}_below: falls with {what}_edge")
+    return found
 
 
 def _losses(dataset: xr.Dataset) -> list[str]:

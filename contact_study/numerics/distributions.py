@@ -26,10 +26,14 @@ def moments(values: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.nda
 
 def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:
     """Transfer a density, shape (..., n), constant within each bin, to other bins; exact between edges of both sets."""
-    cumulative = np.cumsum(density * np.diff(edges), axis=-1)
-    cumulative = np.concatenate([np.zeros((*cumulative.shape[:-1], 1)), cumulative], axis=-1)
-    on_new = np.apply_along_axis(lambda row: np.interp(new_edges, edges, row), -1, cumulative)
-    return np.diff(on_new, axis=-1) / np.diff(new_edges)
+    return np.diff(cumulative(density, edges, new_edges)) / np.diff(new_edges)
+
+
+def cumulative(density: np.ndarray, edges: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Integrate a density, shape (..., n), constant within each bin, up to each of some values, shape (..., m)."""
+    on_edges = np.cumsum(density * np.diff(edges), axis=-1)
+    on_edges = np.concatenate([np.zeros((*on_edges.shape[:-1], 1)), on_edges], axis=-1)
+    return np.apply_along_axis(lambda row: np.interp(at, edges, row), -1, on_edges)
 
 
 @dataclass(frozen=True)
