@@ -3,6 +3,7 @@
 python -m scripts.contact_atlas run --first 75         # what the folder lacks; again to resume
 python -m scripts.contact_atlas collect --first 75 -o data/contact_atlas.nc
 python -m scripts.contact_atlas validate data/contact_atlas.nc
+python -m scripts.contact_atlas join data/contact_atlas.nc --others yours.nc -o wide.nc
 python -m scripts.contact_atlas areas data/contact_atlas.nc
 
 Without --first it is the whole design, for which its beginning stands. Tables (design, areas, grids, cost) print alone.
@@ -18,7 +19,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from contact_study.atlas.collection import THEORIES, collect
+from contact_study.atlas.collection import THEORIES, collect, join
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, PUBLISHED, SURFACES, WHOLE, Condition, design
 from contact_study.atlas.loops import PRELOADS, REFINEMENTS, run_condition
 from contact_study.atlas.validation import problems
@@ -45,9 +46,10 @@ def run(given: argparse.Namespace) -> int:
 def compute(given: argparse.Namespace) -> int:
     """Run the conditions, those of small grids first; --minutes ends before the next one."""
     began = time.monotonic()
-    conditions = _conditions(given)
-    refined = _refined(conditions, given.refined)
-    for number, one in enumerate(sorted(conditions, key=lambda one: one.points), 1):
+    every = _conditions(given)
+    refined = _refined(every, len(every) // 10 if given.refined is None else given.refined)
+    conditions = _part(sorted(every, key=lambda one: one.points), given.part)
+    for number, one in enumerate(conditions, 1):
         if given.minutes and time.monotonic() - began > 60 * given.minutes:
             print(f"{len(conditions) - number + 1} conditions are left; run again to resume", file=sys.stderr)
             return 2
@@ -59,17 +61,46 @@ def compute(given: argparse.Namespace) -> int:
     return 0
 
 
+def _part(conditions: list[Condition], words: str) -> list[Condition]:
+    """Choose every n-th condition, so that parts take about the same time."""
+    try:
+        place, count = map(int, words.split("/"))
+    except ValueError:
+        place = count = 0
+    if not 1 <= place <= count:
+        raise InputError(f"--part {words}: expected K/N with 1 <= K <= N, such as 2/8")
+    return conditions[place - 1 :: count]
+
+
 def write(given: argparse.Namespace) -> int:
+    """Write the folder's conditions as one dataset."""
+    conditions = _conditions(given)
+    dataset = collect(conditions, Path(given.folder), given.surfaces)
+    print(f"{dataset.sizes['condition']} conditions of {len(conditions)}", file=sys.stderr)
+    return _save(dataset, given)
+
+
+def widen(given: argparse.Namespace) -> int:
+    """Join a dataset with others, all of which must be sound."""
+    if given.others is None:
+        raise InputError("join: missing --others FILE.nc")
+    parts = []
+    for path in (given.file, *given.others):
+        parts.append(read(path))
+        if found := problems(parts[-1]):
+            raise InputError(f"{path}: {found[0]}; validate it for all {len(found)} problems")
+    return _save(join(parts), given)
+
+
+def _save(dataset: xr.Dataset, given: argparse.Namespace) -> int:
     if given.output is None:
-        raise InputError("collect: missing -o FILE.nc")
-    dataset = collect(_conditions(given), Path(given.folder), given.surfaces)
+        raise InputError(f"{given.action}: missing -o FILE.nc")
     coded = {
         name: {"zlib": True, "complevel": 9, "shuffle": True}
         for name, variable in dataset.variables.items()
         if variable.dtype.kind in "fi" and variable.ndim > 1
     }
     write_aside(given.output, lambda partial: dataset.to_netcdf(partial, encoding=coded))
-    print(f"{dataset.sizes['condition']} conditions of {len(_conditions(given))}", file=sys.stderr)
     print(given.output)
     return 0
 
@@ -336,6 +367,7 @@ def read(path: Path) -> xr.Dataset:
 ACTIONS = {
     "run": compute,
     "collect": write,
+    "join": widen,
     "validate": check,
     "design": numbers,
     "areas": areas,
@@ -354,10 +386,12 @@ main = program(
     Option("--preloads", list(PRELOADS), "of the loops, over E* h'/2"),
     Option("--folder", "build/atlas", "folder of the runs"),
     Option("--surfaces", SURFACES, "surfaces of each condition"),
+    Option("--part", "1/1", "K/N: every N-th condition from the K-th on, for job arrays"),
     Option("--workers", 1, "processes for loops of a condition"),
-    Option("--refined", 3, "conditions that run on half and twice the points, too"),
+    Option("--refined", int, "conditions that run on half and twice the points, too; default: a tenth"),
     Option("--minutes", 0.0, "time after which no further condition begins; 0: none"),
-    Option("-o, --output", Path, "dataset that collect writes"),
+    Option("--others", Path, "datasets that join adds to the first", nargs="+"),
+    Option("-o, --output", Path, "dataset that collect or join writes"),
     FIGURE,
     interrupted="finished states are kept; run again to resume",
 )

@@ -158,6 +158,40 @@ def collect(conditions: Sequence[Condition], folder: Path, surfaces: int = 1) ->
     return sealed(found)
 
 
+def join(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Join datasets of different conditions, of this software or others; what one of them lacks is empty.
+
+    Parameters
+    ----------
+    datasets : sequence of xarray.Dataset
+        Of one shape: ``condition``, ``surface``, ``preload`` and ``step``, sound by
+        :func:`contact_study.atlas.validation.problems`.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the order of the conditions' numbers, with the attributes of the first.
+
+    Raises
+    ------
+    InputError
+        If a dataset has no dimension ``condition``, or if a condition is in two of them.
+    """
+    known: set[int] = set()
+    for number, one in enumerate(datasets, 1):
+        if "condition" not in one.coords:
+            raise InputError(f"dataset {number}: has no coordinate condition; number its contacts")
+        numbers = one["condition"].values.tolist()
+        if twice := known.intersection(numbers):
+            raise InputError(f"dataset {number}: condition {min(twice)} is in another dataset; renumber it")
+        known.update(numbers)
+    aligned = [one.assign_coords(step=np.arange(one.sizes["step"])) for one in datasets]
+    whole_numbers = {name for one in aligned for name, variable in one.items() if variable.dtype.kind == "i"}
+    empty = dict.fromkeys(whole_numbers, -1)  # as in all datasets
+    found = xr.concat(aligned, "condition", data_vars="all", join="outer", combine_attrs="override", fill_value=empty)
+    return sealed(found.drop_vars("step").sortby("condition"))
+
+
 def sealed(dataset: xr.Dataset) -> xr.Dataset:
     """Reduce numbers to seven digits and enter the checksum of the content."""
     small = {

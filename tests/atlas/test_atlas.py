@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from contact_study.atlas import collection, loops
-from contact_study.atlas.collection import collect
-from contact_study.atlas.design import STRESS, Condition
+from contact_study.atlas.collection import collect, join
+from contact_study.atlas.design import STRESS, Condition, design
 from contact_study.atlas.loops import run_condition
 from contact_study.atlas.validation import problems
 from contact_study.inputs.errors import InputError
@@ -262,3 +262,62 @@ def test_the_loss_of_a_loop_is_the_one_between_equal_pressures():
 def test_grids_extrapolate_a_known_order():
     values = [1 + 0.1 * spacing**2 for spacing in (4.0, 2.0, 1.0)]
     assert contact_atlas.extrapolated(*map(np.array, values)) == pytest.approx(1.0)
+
+
+def test_parts_of_a_dataset_join_to_the_whole():
+    whole = contact_atlas.read(contact_atlas.DATA)
+    first, rest = whole.isel(condition=slice(0, 30)), whole.isel(condition=slice(30, None))
+    assert join([rest, first]).identical(whole)
+    # Others' loops may be shorter, and lack what only some software computes.
+    theirs = rest.isel(step=slice(0, 20)).drop_vars(["theory_mean_gap", "cluster_count", "points"])
+    wide = join([first, theirs])
+    np.testing.assert_array_equal(wide.mean_gap[30:, ..., :20], rest.mean_gap[..., :20])
+    assert wide.converged[30:, ..., 20:].values.max() == wide.points[30:].values.max() == -1
+    assert wide.theory_mean_gap[30:].isnull().all()
+    assert wide.theory_mean_gap[:30].identical(first.theory_mean_gap)
+
+
+def test_datasets_that_do_not_join_are_one_line(tmp_path, capsys):
+    data, out = str(contact_atlas.DATA), tmp_path / "wide.nc"
+    wrong = tmp_path / "wrong.nc"
+    contact_atlas.read(contact_atlas.DATA).drop_vars("mean_gap").to_netcdf(wrong)
+    for others, words in (
+        ([], "missing --others"),
+        (["--others", data], "dataset 2: condition 1 is in another dataset"),
+        (["--others", str(wrong)], "mean_gap: is missing"),
+    ):
+        assert contact_atlas.main(["join", data, *others, "-o", str(out)]) == 1
+        assert words in capsys.readouterr().err
+    assert not out.exists()
+    with pytest.raises(InputError, match="dataset 1: has no coordinate condition"):
+        join([xr.Dataset()])
+
+
+def test_parts_of_a_job_array_share_the_conditions(monkeypatch, tmp_path, capsys):
+    ran: list[tuple[str, int]] = []
+    parts = ("1/2", "2/2")
+    for part in parts:
+        monkeypatch.setattr(contact_atlas, "run_condition", lambda one, *_, part=part: ran.append((part, one.number)))
+        assert contact_atlas.main(["run", "--first", "6", "--part", part, "--folder", str(tmp_path)]) == 0
+    numbers = [one.number for one in design(6)[0]]
+    assert sorted(number for _, number in ran) == numbers
+    assert [part for part, _ in ran] == ["1/2"] * 3 + ["2/2"] * 3
+    assert contact_atlas.main(["run", "--part", "3/2"]) == 1
+    assert "--part 3/2: expected K/N" in capsys.readouterr().err
+
+
+def test_coarse_bins_are_shares_of_the_surface(folder, dataset):
+    with xr.open_dataset(loops.file_of(folder, CONDITION)) as opened:
+        loop = opened.isel(seed=0, trigger_force=-1).load()
+    whole = dataset.isel(condition=0, surface=0, preload=-1)
+    step = int(np.flatnonzero(whole.mean_pressure > 0.2 * STRESS)[0])
+    for what, unit in (("gap", float(loop.rms_height)), ("pressure", STRESS)):
+        density = loop[f"{what}_pdf"].isel(step=step)
+        centres = density[f"{what}_bin"].values
+        share = density.values * (centres[1] - centres[0])
+        # An edge lies within one of the fine bins.
+        for edge, below in zip(whole[f"{what}_edge"].values, whole[f"{what}_below"][step].values, strict=True):
+            assert below == pytest.approx(share[centres < edge * unit].sum(), abs=share.max() + 1e-6)
+    assert float(whole.pressure_below[step].diff("pressure_edge").max()) > 0.3
+    fallen = dataset.assign(gap_below=1 - dataset.gap_below)
+    assert any(line.startswith("gap_below: falls with gap_edge") for line in problems(fallen))
