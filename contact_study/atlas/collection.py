@@ -311,7 +311,7 @@ def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
         dims = ("theory", "step") if by_step else ("way", "theory")
         values = np.full((len(THEORIES), loop.sizes["step"]) if by_step else (len(WAYS), len(THEORIES)), np.nan)
         for (number, label), back in itertools.product(enumerate(THEORIES), (False, True)):
-            value = _extrapolated(trees, label, name, back)
+            value = theory_values(trees, label, name, back)
             if value is not None and by_step:
                 values[number, steps[back]] = value[len(steps[0]) :] if back else value[: len(steps[0])]
             elif value is not None:
@@ -324,7 +324,7 @@ def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(found, {"theory": ("theory", list(THEORIES), named), "way": ("way", list(WAYS), ways_named)})
 
 
-def _extrapolated(trees: Sequence[xr.DataTree], label: str, name: str, back: bool) -> np.ndarray | None:
+def theory_values(trees: Sequence[xr.DataTree], label: str, name: str, back: bool) -> np.ndarray | None:
     """Return a theory's values at all its states, on the unloading branch if it has one; None if it has none."""
     given = [value for tree in trees if (value := of_theory(tree, label, name, back)) is not None]
     at = given[-2:] if len(given) == len(CORES) else given[:1]

@@ -1,0 +1,116 @@
+"""Areas on both branches against means of many surfaces, whose single loops scatter at light load, as Markdown.
+
+Pressure rises in few steps and falls again, so a surface takes seconds. Each has its theories, fed with its spectrum.
+
+python -m scripts.validate_areas --table data/areas_of_atlas.csv
+python -m scripts.validate_areas --from data/areas_of_atlas.csv
+"""
+
+import argparse
+import itertools
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from contact_study.atlas.collection import THEORIES, WAYS, theory_values
+from contact_study.atlas.design import JUMPING, LEAST_JUMP, STRESS, Condition, design
+from contact_study.atlas.loops import file_of, seeds_of, study_of, theory_files, theory_study_of
+from contact_study.campaign.library import run as run_study
+from scripts.contact_atlas import AREA, MARKERS, NAMES, by_number
+from scripts.harness import Option, minus, show, tabulated
+from scripts.validate_hysteresis import LARGEST, LEAST, STRONG, judging_half, ratio_of_means
+
+CONDITIONS = [109, 129, 577, 743, 933, 1051, 19, 127, 187, 595, 663, 889, 1125]  # of partial contact under pressure
+PRESSURES = 0.02, 0.05, 0.1, 0.2, 0.4, 0.8  # over E* h'/2
+PRELOAD = 2.0
+
+
+def rows(given: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    judges = judging_half()
+    for one in by_number(design(JUMPING, least_jump=LEAST_JUMP)[0], given.numbers):
+        areas = _areas(one, seeds_of(one, given.surfaces), Path(given.folder), given.workers)
+        head = {"condition": one.number, "law": one.law, "relative_adhesion": one.relative_adhesion}
+        head |= {"judges": one.number in judges, "surfaces": given.surfaces}
+        for way, place in itertools.product(range(len(WAYS)), range(len(PRESSURES))):
+            simulated, *theories = areas[:, :, way, place]
+            row = head | {"branch": WAYS[way], "pressure": PRESSURES[place], "area": float(simulated.mean())}
+            for name, theirs in zip(THEORIES, theories, strict=True):
+                row[name], row[f"{name}_error"] = ratio_of_means(simulated, theirs)
+            yield row
+
+
+def _areas(condition: Condition, seeds: Sequence[int], folder: Path, workers: int) -> np.ndarray:
+    """Areas by simulation and by each theory, shape (1 + theories, surfaces, ways, pressures)."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = [STRESS * share for share in (*PRESSURES, PRELOAD, *PRESSURES[::-1])]
+    study = study_of(condition, seeds)
+    study |= {"loading": {"path": path}, "sweep": {"surface.seed": list(seeds)}, "output": {"restart": False}}
+    files = {"output": file_of(folder, condition, "areas"), "resume": True}
+    found = [run_study(study, **files, workers=workers)[AREA].transpose("seed", "step").values]
+    trees = [_theories_of(condition, seed, path, folder) for seed in seeds]
+    for label in THEORIES:
+        ways = []
+        for back in (False, True):
+            values = np.array([theory_values(each, label, "relative_contact_area", back) for each in trees])
+            ways.append(values[:, len(PRESSURES) + 1 :] if back else values[:, : len(PRESSURES) + 1])
+        found.append(np.concatenate(ways, axis=1))
+    way_in, way_out = np.split(np.array(found), [len(PRESSURES) + 1], axis=2)
+    return np.stack([way_in[..., :-1], way_out[..., ::-1]], axis=2)
+
+
+def _theories_of(condition: Condition, seed: int, path: list[float], folder: Path) -> list[xr.DataTree]:
+    files = theory_files(condition, folder, seed)
+    for core, file in files.items():
+        run_study(theory_study_of(condition, seed, path, core), "theory", output=file, resume=True)
+    return [xr.load_datatree(file) for file in files.values()]
+
+
+def lines(table: pd.DataFrame) -> Iterator[str]:
+    partial = table[(table["area"] > LEAST) & (table["area"] < LARGEST)]
+    shown = []
+    for number, some in partial.groupby("condition", sort=True):
+        first = some.iloc[0]
+        head = number, MARKERS[first["law"]][0], f"{first['relative_adhesion']:.2f}"
+        half = "judges" if first["judges"] else ""
+        cells = (_of_branch(some[some["branch"] == way], "edge_flow") for way in WAYS)
+        shown.append((*head, half, first["surfaces"], *cells))
+    columns = [f"area {way}: mean size, worst" for way in WAYS]
+    show(("condition", "law", "θ", "half", "surfaces", *columns), shown)
+    yield ""
+    judging = partial[partial["judges"]]
+    strong = judging[judging["relative_adhesion"] >= STRONG]
+    shown = []
+    for words, some in {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong}.items():
+        for name in THEORIES:
+            cells = (_of_branch(some[some["branch"] == way], name) for way in WAYS)
+            shown.append((NAMES[name], words, some["condition"].nunique(), *cells))
+    show(("theory", "conditions", "number", *columns), shown)
+
+
+def _of_branch(some: pd.DataFrame, name: str) -> str:
+    """Write the mean size of relative errors, and the worst with its standard error and pressure."""
+    known = some.dropna(subset=[name])
+    if known.empty:
+        return ""
+    error, spread = 100 * (known[name] - 1), 100 * known[f"{name}_error"]
+    worst = error.abs().idxmax()
+    at = f"{error[worst]:+.0f} ± {spread[worst]:.0f} % at {known['pressure'][worst]:g}"
+    return f"{error.abs().mean():.1f} %, {minus(at)}"
+
+
+main = tabulated(
+    rows,
+    lines,
+    Option("--numbers", CONDITIONS, "conditions by their numbers in the design"),
+    Option("--surfaces", 16, "of each condition"),
+    Option("--folder", "build/areas", "folder of the runs"),
+    Option("--workers", 1, "processes for surfaces of a condition"),
+)
+
+if __name__ == "__main__":
+    sys.exit(main())
