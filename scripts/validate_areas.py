@@ -21,46 +21,47 @@ from contact_study.atlas.collection import THEORIES, WAYS, theory_values
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, STRESS, Condition, design
 from contact_study.atlas.loops import file_of, seeds_of, study_of, theory_files, theory_study_of
 from contact_study.campaign.library import run as run_study
-from scripts.contact_atlas import AREA, MARKERS, NAMES, by_number
-from scripts.harness import Option, minus, show, tabulated
+from scripts.contact_atlas import AREA, DATA, MARKERS, NAMES, by_number
+from scripts.harness import Option, head, minus, row, tabulated
 from scripts.validate_hysteresis import LARGEST, LEAST, STRONG, judging_half, ratio_of_means
 
 CONDITIONS = [109, 129, 577, 743, 933, 1051, 19, 127, 187, 595, 663, 889, 1125]  # of partial contact under pressure
 PRESSURES = 0.02, 0.05, 0.1, 0.2, 0.4, 0.8  # over E* h'/2
 PRELOAD = 2.0
+TABLE = DATA.with_name("areas_of_atlas.csv")
 
 
 def rows(given: argparse.Namespace) -> Iterator[dict[str, Any]]:
     judges = judging_half()
     for one in by_number(design(JUMPING, least_jump=LEAST_JUMP)[0], given.numbers):
         areas = _areas(one, seeds_of(one, given.surfaces), Path(given.folder), given.workers)
-        head = {"condition": one.number, "law": one.law, "relative_adhesion": one.relative_adhesion}
-        head |= {"judges": one.number in judges, "surfaces": given.surfaces}
+        same = {"condition": one.number, "law": one.law, "relative_adhesion": one.relative_adhesion}
+        same |= {"judges": one.number in judges, "surfaces": given.surfaces}
         for way, place in itertools.product(range(len(WAYS)), range(len(PRESSURES))):
-            simulated, *theories = areas[:, :, way, place]
-            row = head | {"branch": WAYS[way], "pressure": PRESSURES[place], "area": float(simulated.mean())}
+            simulated, *theories = areas[:, way, :, place]
+            found = same | {"branch": WAYS[way], "pressure": PRESSURES[place], "area": float(simulated.mean())}
             for name, theirs in zip(THEORIES, theories, strict=True):
-                row[name], row[f"{name}_error"] = ratio_of_means(simulated, theirs)
-            yield row
+                found[name], found[f"{name}_error"] = ratio_of_means(simulated, theirs)
+            yield found
 
 
 def _areas(condition: Condition, seeds: Sequence[int], folder: Path, workers: int) -> np.ndarray:
-    """Areas by simulation and by each theory, shape (1 + theories, surfaces, ways, pressures)."""
+    """Areas by simulation and by each theory, shape (1 + theories, ways, surfaces, pressures)."""
     folder.mkdir(parents=True, exist_ok=True)
     path = [STRESS * share for share in (*PRESSURES, PRELOAD, *PRESSURES[::-1])]
     study = study_of(condition, seeds)
     study |= {"loading": {"path": path}, "sweep": {"surface.seed": list(seeds)}, "output": {"restart": False}}
-    files = {"output": file_of(folder, condition, "areas"), "resume": True}
-    found = [run_study(study, **files, workers=workers)[AREA].transpose("seed", "step").values]
+    states = run_study(study, output=file_of(folder, condition, "areas"), resume=True, workers=workers)
+    simulated = states[AREA].where(states["converged"] == 1).transpose("seed", "step").values
     trees = [_theories_of(condition, seed, path, folder) for seed in seeds]
+    pairs = [[simulated, simulated]]
     for label in THEORIES:
-        ways = []
-        for back in (False, True):
-            values = np.array([theory_values(each, label, "relative_contact_area", back) for each in trees])
-            ways.append(values[:, len(PRESSURES) + 1 :] if back else values[:, : len(PRESSURES) + 1])
-        found.append(np.concatenate(ways, axis=1))
-    way_in, way_out = np.split(np.array(found), [len(PRESSURES) + 1], axis=2)
-    return np.stack([way_in[..., :-1], way_out[..., ::-1]], axis=2)
+        by_surface = (
+            [theory_values(tree, label, "relative_contact_area", back) for tree in trees] for back in (False, True)
+        )
+        pairs.append([np.array(each) for each in by_surface])
+    count = len(PRESSURES)
+    return np.array([(there[:, :count], back[:, :count:-1]) for there, back in pairs])
 
 
 def _theories_of(condition: Condition, seed: int, path: list[float], folder: Path) -> list[xr.DataTree]:
@@ -72,24 +73,23 @@ def _theories_of(condition: Condition, seed: int, path: list[float], folder: Pat
 
 def lines(table: pd.DataFrame) -> Iterator[str]:
     partial = table[(table["area"] > LEAST) & (table["area"] < LARGEST)]
-    shown = []
-    for number, some in partial.groupby("condition", sort=True):
-        first = some.iloc[0]
-        head = number, MARKERS[first["law"]][0], f"{first['relative_adhesion']:.2f}"
-        half = "judges" if first["judges"] else ""
-        cells = (_of_branch(some[some["branch"] == way], "edge_flow") for way in WAYS)
-        shown.append((*head, half, first["surfaces"], *cells))
     columns = [f"area {way}: mean size, worst" for way in WAYS]
-    show(("condition", "law", "θ", "half", "surfaces", *columns), shown)
+    yield head("condition", "law", "θ", "half", "surfaces", *columns)
+    for number, some in partial.groupby("condition"):
+        first = some.iloc[0]
+        law, half = MARKERS[first["law"]][0], "judges" if first["judges"] else ""
+        yield row(number, law, f"{first['relative_adhesion']:.2f}", half, first["surfaces"], *_cells(some, "edge_flow"))
     yield ""
+    yield head("theory", "conditions", "number", *columns)
     judging = partial[partial["judges"]]
     strong = judging[judging["relative_adhesion"] >= STRONG]
-    shown = []
     for words, some in {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong}.items():
         for name in THEORIES:
-            cells = (_of_branch(some[some["branch"] == way], name) for way in WAYS)
-            shown.append((NAMES[name], words, some["condition"].nunique(), *cells))
-    show(("theory", "conditions", "number", *columns), shown)
+            yield row(NAMES[name], words, some["condition"].nunique(), *_cells(some, name))
+
+
+def _cells(some: pd.DataFrame, name: str) -> list[str]:
+    return [_of_branch(some[some["branch"] == way], name) for way in WAYS]
 
 
 def _of_branch(some: pd.DataFrame, name: str) -> str:
