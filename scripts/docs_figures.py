@@ -6,7 +6,6 @@ python -m scripts.docs_figures overview        # from results/yang2008-paper
 """
 
 import argparse
-import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -25,13 +24,14 @@ from bem_adhesion import (
     rough_contact,
 )
 from contact_study.plots.style import COLOURS, STYLE
+from scripts.docs_charts import ROOT, SOLID, choosing_tree, load_step, performance, row_of_axes, waterfall
 
-ROOT = Path(__file__).resolve().parent.parent
 IMAGES = ROOT / "docs" / "images"
 PAPER = ROOT / "results" / "yang2008-paper"
 MODULUS, WORK, LENGTH = 93.7e9, 2.77, 3.28e-10  # the paper's block at four times its adhesion
-SOLID, RIGID, RED = "#cfe3f5", "#8c8c8c", "#c1121f"
-FIGURES: dict[str, Callable[[], Figure]] = {}
+RIGID, RED = "#8c8c8c", "#c1121f"
+CHARTS = waterfall, performance, choosing_tree, load_step
+FIGURES: dict[str, Callable[[], Figure]] = {draw.__name__: draw for draw in CHARTS}
 
 
 def figure(draw: Callable[[], Figure]) -> Callable[[], Figure]:
@@ -54,11 +54,6 @@ def main() -> int:
             FIGURES[name]().savefig(path, dpi=160, metadata={"Software": None})
         print(path)
     return 0
-
-
-def _axes(width: float = 7.0, height: float = 2.8, columns: int = 1) -> tuple[Figure, np.ndarray]:
-    made = Figure(figsize=(width, height), layout="constrained")
-    return made, made.subplots(1, columns, squeeze=False)[0]
 
 
 def _line(points: int = 512) -> tuple[np.ndarray, np.ndarray]:
@@ -97,7 +92,7 @@ def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], sty
 
 @figure
 def concept_geometry() -> Figure:
-    made, (axes,) = _axes(height=3.0)
+    made, (axes,) = row_of_axes(height=3.0)
     x, height, surface = (1e9 * values for values in _pressed(0.5e9))
     top = surface.max() + 1.6
     _section(axes, x, height, surface, top)
@@ -115,7 +110,7 @@ def concept_geometry() -> Figure:
 
 @figure
 def concept_laws() -> Figure:
-    made, (left, right) = _axes(columns=2)
+    made, (left, right) = row_of_axes(columns=2)
     work, length = 1.0, 1.0
     for (name, law), colour in zip(
         {
@@ -160,7 +155,7 @@ def concept_laws() -> Figure:
 def concept_spectrum() -> Figure:
     from contact_study import make_study, realise
 
-    made, (left, right) = _axes(columns=2)
+    made, (left, right) = row_of_axes(columns=2)
     low, roll_off, cutoff, hurst = 1.0, 4.0, 64.0, 0.8
     wavevector = np.array([low, roll_off, cutoff, cutoff])
     density = np.array([1.0, 1.0, (cutoff / roll_off) ** (-2 * (1 + hurst)), 1e-6])
@@ -195,7 +190,7 @@ def concept_spectrum() -> Figure:
 
 @figure
 def concept_contact() -> Figure:
-    made, (axes,) = _axes(height=2.8)
+    made, (axes,) = row_of_axes(height=2.8)
     x, height, surface = (1e9 * values for values in _pressed(2e9))
     top = surface.max() + 0.5
     _section(axes, x, height, surface, top)
@@ -213,7 +208,7 @@ def concept_contact() -> Figure:
 
 @figure
 def concept_distances() -> Figure:
-    made, (axes,) = _axes(height=3.2)
+    made, (axes,) = row_of_axes(height=3.2)
     x, height, surface = (1e9 * values for values in _pressed(0.5e9))
     top = surface.max() + 1.4
     _section(axes, x, height, surface, top)
@@ -238,7 +233,7 @@ def concept_distances() -> Figure:
 @figure
 def concept_loop() -> Figure:
     """A loop of one asperity under a prescribed gap."""
-    made, (axes,) = _axes(width=4.6, height=3.0)
+    made, (axes,) = row_of_axes(width=4.6, height=3.0)
     x = np.linspace(0, 1, 64, endpoint=False)
     height = 2.5e-9 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x)[None, :])
     contact = rough_contact(height, 100e-9, HalfSpace(3e8), Exponential(0.1, 1e-9), control="gap")
@@ -279,7 +274,7 @@ def process_zone_grids() -> Figure:
     """One contact edge on grids of one, two and four points per process zone."""
     import warnings
 
-    made, panels = _axes(height=2.5, columns=3)
+    made, panels = row_of_axes(height=2.5, columns=3)
     zone = 5e-9
     law = Exponential(0.05, 2e-9)
     modulus = zone * (law.peak_tensile_stress**2) / 0.05
@@ -327,139 +322,12 @@ def height_map_pipeline() -> Figure:
         ("edges: mirror", joined),
         ("lowpass", lowpassed(joined, Grid(joined.shape, (2 * size, 2 * size)), 6e-8)),
     )
-    made, panels = _axes(height=1.7, columns=len(steps))
+    made, panels = row_of_axes(height=1.7, columns=len(steps))
     for axes, (name, heights) in zip(panels, steps, strict=True):
         axes.imshow(heights, origin="lower", cmap="cividis")
         axes.set(title=name, xticks=[], yticks=[])
         axes.grid(False)
     return made
-
-
-@figure
-def waterfall() -> Figure:
-    """Changes of the contact area from the continuum to the atoms, from the table of the notes."""
-    text = (ROOT / "research" / "notes" / "continuum_against_atoms.md").read_text(encoding="utf-8")
-    block = text[text.index("\n1 GPa\n") :]
-    names, changes = [], []
-    for line in block[: block.index("| **atoms")].splitlines():
-        cells = [cell.strip() for cell in line.strip("|").split("|")]
-        found = [re.search(r"\(([-+][\d.]+) %\)", cell) for cell in cells[1:4]]
-        if len(cells) == 7 and all(found):
-            names.append(cells[0])
-            changes.append([float(one[1]) for one in found])
-    short = ("modulus", "cut-off", "dispersion", "minimiser", "tilt", "pairs", "lateral freedom")
-    made, (axes,) = _axes(width=5.6, height=2.8)
-    table = np.array(changes)
-    for number, (name, colour) in enumerate(zip(("ε₀", "4 ε₀", "8 ε₀"), COLOURS, strict=False)):
-        below = np.concatenate([[0], np.cumsum(table[:, number])])
-        place = np.arange(len(table)) + 0.26 * (number - 1)
-        axes.bar(place, table[:, number], 0.24, bottom=below[:-1], color=colour, label=name)
-    axes.set_xticks(range(len(table)), short[: len(table)], rotation=25, ha="right")
-    axes.axhline(0, color="black", linewidth=0.6)
-    axes.set_ylabel("change of contact area (%)")
-    axes.set_title("continuum → atoms, 1 GPa, cumulative")
-    axes.legend()
-    return made
-
-
-@figure
-def performance() -> Figure:
-    import csv
-
-    with (ROOT / "data" / "benchmark_grids.csv").open(encoding="utf-8") as stream:
-        rows = list(csv.DictReader(stream))
-    made, (left, right) = _axes(columns=2)
-    for kind, colour in zip(dict.fromkeys(row["kind"] for row in rows), COLOURS, strict=False):
-        own = [row for row in rows if row["kind"] == kind]
-        points = [int(row["points"]) for row in own]
-        left.loglog(points, [float(row["seconds"]) for row in own], "o-", color=colour, markersize=3, label=kind)
-        memory = [float(row["bytes"]) * int(row["points"]) ** 2 / 1e9 for row in own]
-        right.loglog(points, memory, "o-", color=colour, markersize=3)
-    for axes in (left, right):
-        axes.set_xticks(points, [str(number) for number in points])
-        axes.minorticks_off()
-    left.set(xlabel="points a side", ylabel="two load steps, one core (s)")
-    right.set(xlabel="points a side", ylabel="memory (GB)")
-    left.legend()
-    return made
-
-
-def _chart(
-    boxes: dict[str, tuple[float, float, str]], ways: list[tuple[str, str, str]], size: tuple[float, float]
-) -> Figure:
-    """Boxes by name with their centres and texts, and arrows between them with a word each."""
-    made, (axes,) = _axes(*size)
-    axes.set(xlim=(0, 10), ylim=(0, 10))
-    axes.axis("off")
-    drawn = {}
-    for name, (x, y, text) in boxes.items():
-        colour = "#fff3d6" if text.endswith("?") else SOLID
-        style = {"boxstyle": "round,pad=0.45", "facecolor": colour, "edgecolor": "0.5", "linewidth": 0.6}
-        drawn[name] = axes.text(x, y, text, ha="center", va="center", bbox=style).get_bbox_patch()
-    for start, end, word in ways:
-        (x, y, _), (to_x, to_y, _) = boxes[start], boxes[end]
-        bend = 0.9 if (end, start) in [way[:2] for way in ways] and y < to_y else 0.0
-        arrow = {"arrowstyle": "->", "color": "0.4", "patchA": drawn[start], "patchB": drawn[end], "shrinkA": 1}
-        arrow |= {"shrinkB": 1, "connectionstyle": f"arc3,rad={bend}"}
-        axes.annotate("", (to_x, to_y), (x, y), arrowprops=arrow)
-        place = {"fontsize": 7, "color": "0.3", "ha": "center", "va": "center"}
-        beside = 0.45 * bend * (to_y - y)
-        axes.text((x + to_x) / 2 + beside, (y + to_y) / 2, word, **place, backgroundcolor="white" if word else "none")
-    return made
-
-
-@figure
-def choosing_tree() -> Figure:
-    """Questions that lead to a model."""
-    boxes = {
-        "spectrum": (1.6, 9.0, "spectrum only?"),
-        "theory": (1.6, 6.2, "persson-theory"),
-        "lattice": (4.4, 9.0, "lattice or\ntemperature?"),
-        "atoms": (4.4, 6.2, "md-reference"),
-        "adhesion": (7.2, 9.0, "adhesion?"),
-        "wall": (9.1, 6.2, 'law =\n"hard_wall"'),
-        "soft": (6.6, 4.0, "soft or large\nbody?"),
-        "auto": (4.2, 1.2, 'law = "exponential"\nlength = "auto"'),
-        "atomic": (8.4, 1.2, "law and range of\nthe interaction"),
-    }
-    ways = [
-        ("spectrum", "theory", "yes"),
-        ("spectrum", "lattice", "no"),
-        ("lattice", "atoms", "yes"),
-        ("lattice", "adhesion", "no"),
-        ("adhesion", "wall", "no"),
-        ("adhesion", "soft", "yes"),
-        ("soft", "auto", "yes"),
-        ("soft", "atomic", "no"),
-    ]
-    return _chart(boxes, ways, (6.4, 3.6))
-
-
-@figure
-def load_step() -> Figure:
-    """States of a load step of the adhesive solver."""
-    boxes = {
-        "guess": (1.3, 8.8, "coarse grids\npredict"),
-        "newton": (5.0, 8.8, "Newton step"),
-        "balance": (5.0, 5.6, "in balance?"),
-        "saddle": (5.0, 2.4, "negative\ncurvature?"),
-        "done": (8.8, 2.4, "converged"),
-        "apart": (8.8, 8.8, "detached"),
-        "flag": (8.8, 5.6, "not converged"),
-        "leave": (1.3, 2.4, "leave the\nsaddle downhill"),
-    }
-    ways = [
-        ("guess", "newton", ""),
-        ("newton", "balance", ""),
-        ("balance", "newton", "no"),
-        ("balance", "saddle", "yes"),
-        ("balance", "flag", "limit reached"),
-        ("saddle", "done", "no"),
-        ("saddle", "leave", "yes"),
-        ("leave", "newton", ""),
-        ("newton", "apart", "all past the peak"),
-    ]
-    return _chart(boxes, ways, (6.4, 3.2))
 
 
 @figure
