@@ -48,3 +48,12 @@ def wait_for(path, report):
     report("seen")
     report("ended")
     path.with_name("ended").touch()
+
+
+def states(dask_worker):
+    return [task.state for task in dask_worker.state.tasks.values()]
+
+
+def finish(dask_worker):
+    """Wait until the worker's only thread is free."""
+    dask_worker.executors["default"].submit(int).result(timeout=30)

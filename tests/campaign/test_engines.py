@@ -14,7 +14,7 @@ import pytest
 from contact_study.campaign import engines
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.inputs.errors import InputError
-from tests.campaign.tasks import die, fail, leave, meet, report_on, square, wait_for
+from tests.campaign.tasks import die, fail, finish, leave, meet, report_on, square, states, wait_for
 from tests.campaign.toy_study import TABLE, assert_same, names
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own, on its way down
@@ -97,9 +97,12 @@ def test_no_more_tasks_at_once_than_asked_for(cluster, tmp_path):
 def test_tasks_nobody_waits_for_end_themselves(cluster, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         on(cluster, [partial(wait_for, tmp_path / "go")], lambda _: signal.raise_signal(signal.SIGINT))
-    time.sleep(0.5)  # for the news to reach the worker
-    (tmp_path / "go").touch()
-    time.sleep(0.5)
+    with pytest.importorskip("distributed").Client(cluster) as client:
+        deadline = time.monotonic() + 30
+        while "executing" in str(client.run(states)) and time.monotonic() < deadline:
+            time.sleep(0.02)  # for the news to reach the worker
+        (tmp_path / "go").touch()
+        client.run(finish)
     assert not (tmp_path / "ended").exists()
 
 
