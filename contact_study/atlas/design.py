@@ -89,7 +89,7 @@ class Condition:
             return HalfSpace(MODULUS)
         return Layer(MODULUS, POISSONS_RATIO, self.thickness)
 
-    @property
+    @cached_property
     def work_of_adhesion(self) -> float:
         """Δγ = θ U_full (J/m²), U_full that of a half-space for layers, too."""
         return self.relative_adhesion * float(self.spectrum.full_contact_energy(HalfSpace(MODULUS).stiffness))

@@ -16,6 +16,7 @@ from contact_study.numerics.grid import Grid
 
 # Least number of pieces of a weighted integral over a continuous spectrum.
 PIECES = 200
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)  # of each piece
 _Function = Callable[[np.ndarray], np.ndarray]
 _Limit = float | np.ndarray | None
 
@@ -219,10 +220,9 @@ def _integrated_variance(spectrum, density, weight, upper, ends):
     low, high = spectrum.limits
     upper = np.clip(high if upper is None else upper, low, high)
     ends = np.unique(np.concatenate([np.ravel(upper), ends]))
-    nodes, weights = np.polynomial.legendre.leggauss(6)
     half = 0.5 * np.diff(np.log(ends))
-    q = np.sqrt(ends[1:] * ends[:-1])[:, None] * np.exp(half[:, None] * nodes)
-    pieces = half * np.sum(weights * q**2 * density(q) * weight(q), axis=1)
+    q = np.sqrt(ends[1:] * ends[:-1])[:, None] * np.exp(half[:, None] * _NODES)
+    pieces = half * np.sum(_WEIGHTS * q**2 * density(q) * weight(q), axis=1)
     cumulative = np.concatenate([[0.0], np.cumsum(pieces)])
     return 2 * np.pi * cumulative[np.searchsorted(ends, upper)]
 
