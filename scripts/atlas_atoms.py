@@ -15,7 +15,7 @@ import xarray as xr
 from contact_study.atlas.atoms import MODELS, SLOPES, collect_blocks, run_block, tasks
 from contact_study.atlas.collection import WAYS
 from contact_study.campaign.store.files import write_aside
-from scripts.contact_atlas import DATA, read
+from scripts.atlas_tables import DATA, read
 from scripts.harness import Option, minus, program, show
 
 ATOMS = DATA.with_name("contact_atlas_atoms.nc")

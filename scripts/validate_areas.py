@@ -21,7 +21,7 @@ from contact_study.atlas.collection import THEORIES, WAYS, theory_values
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, STRESS, Condition, design
 from contact_study.atlas.loops import file_of, seeds_of, study_of, theory_files, theory_study_of
 from contact_study.campaign.library import run as run_study
-from scripts.contact_atlas import AREA, DATA, MARKERS, NAMES, by_number
+from scripts.atlas_tables import AREA, DATA, MARKERS, NAMES, by_number
 from scripts.harness import Option, head, minus, row, tabulated
 from scripts.validate_hysteresis import LARGEST, LEAST, STRONG, judging_half, ratio_of_means
 

@@ -27,7 +27,7 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.plots.style import DOUBLE, styled
 from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
-from scripts.contact_atlas import AREA, DATA, HEAVIEST, LIGHTEST, MARKERS, NAMES, compared, deepest, read, stress_of
+from scripts.atlas_tables import AREA, DATA, HEAVIEST, LIGHTEST, MARKERS, NAMES, compared, deepest, read, stress_of
 from scripts.harness import FIGURE, Option, minus, program, save, show
 from theory.edge_flow.apparent_adhesion import GROWTH, adhesion_ratio, stronger
 from theory.edge_flow.flow import edge_flow

@@ -20,7 +20,7 @@ from contact_study.atlas.loops import file_of, seeds_of, study_of
 from contact_study.campaign.library import run as run_study
 from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
-from scripts.contact_atlas import AREA, LIGHTEST, by_number, deepest, lost_of, read, stress_of
+from scripts.atlas_tables import AREA, LIGHTEST, by_number, deepest, lost_of, read, stress_of
 from scripts.harness import Option, minus, program, show
 from scripts.validate_hysteresis import JUMPING_DATA, LEAST
 from theory.edge_flow.apparent_adhesion import adhesion_ratio

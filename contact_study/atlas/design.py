@@ -17,7 +17,7 @@ from contact_study.physics.spheres.numbers import tabor_parameter
 from contact_study.study.schema.modes import Modes, spectrum_of_modes
 from contact_study.study.uncertainty import Distribution, Uncertainty
 
-WHOLE, PUBLISHED = 250, 75  # conditions of the design, and the first of them, in data/
+WHOLE = 250  # conditions of the design
 JUMPING = 60  # further conditions whose mean asperity jumps
 SURFACES = 4  # of each condition of the whole design
 

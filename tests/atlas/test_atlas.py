@@ -13,11 +13,11 @@ from contact_study.atlas.loops import run_condition
 from contact_study.atlas.validation import problems
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import moments
-from scripts import contact_atlas, validate_hysteresis, validate_loops
+from scripts import atlas_tables, contact_atlas, validate_hysteresis, validate_loops
 from theory.edge_flow.apparent_adhesion import AREA_ERRORS
 
 PRELOADS = (0.4, 2.0)
-SURFACES = contact_atlas.DATA.with_name("contact_atlas_surfaces.nc")
+SURFACES = atlas_tables.DATA.with_name("contact_atlas_surfaces.nc")
 CONDITION = Condition(7, 0.8, 4.0, 0.3, 0.2, "exponential", "half_space")
 
 
@@ -106,7 +106,7 @@ def test_an_empty_folder_is_an_error(tmp_path):
         collect([CONDITION], tmp_path)
 
 
-@pytest.mark.parametrize("path", [contact_atlas.DATA, validate_hysteresis.JUMPING_DATA, SURFACES])
+@pytest.mark.parametrize("path", [atlas_tables.DATA, validate_hysteresis.JUMPING_DATA, SURFACES])
 def test_published_parts_are_sound_and_name_all_units(path):
     with xr.open_dataset(path) as published:
         assert problems(published) == []
@@ -130,8 +130,8 @@ def test_on_the_way_out_theories_are_on_their_unloading_branch():
 
 
 def test_errors_in_datasets_are_those_of_the_judging_half():
-    data = contact_atlas.read(validate_hysteresis.JUMPING_DATA).isel(condition=slice(1, None, 2))
-    errors = [validate_hysteresis.errors_of(one, "edge_flow") for one in contact_atlas.deepest(data)]
+    data = atlas_tables.read(validate_hysteresis.JUMPING_DATA).isel(condition=slice(1, None, 2))
+    errors = [validate_hysteresis.errors_of(one, "edge_flow") for one in atlas_tables.deepest(data)]
     for branch, expected in AREA_ERRORS.items():
         sizes = np.abs(np.concatenate([getattr(one, branch) for one in errors]))
         assert np.nanmean(sizes) == pytest.approx(expected, abs=0.005)  # rounded to a per cent
@@ -207,7 +207,7 @@ def test_moments_of_two_values():
 
 
 def test_distributions_of_the_edge_flow_are_compared_at_states_of_both_ways(capsys):
-    data = contact_atlas.read(SURFACES).sel(condition=[129], surface=[1])
+    data = atlas_tables.read(SURFACES).sel(condition=[129], surface=[1])
     validate_hysteresis.distributions(data)
     out = capsys.readouterr().out
     for way in ("loading", "unloading"):
@@ -219,12 +219,15 @@ def test_distributions_of_the_edge_flow_are_compared_at_states_of_both_ways(caps
 def test_tables_of_a_dataset(dataset, tmp_path, capsys):
     path = tmp_path / "atlas.nc"
     dataset.to_netcdf(path)
-    for action in ("validate", "areas", "cost"):
-        assert contact_atlas.main([action, str(path)]) == 0
+    assert contact_atlas.main(["validate", str(path)]) == 0
+    for action in ("areas", "cost", "design"):
+        assert atlas_tables.main([action, str(path)]) == 0
     out = capsys.readouterr().out
     assert "edge flow" in out
-    assert contact_atlas.main(["grids", str(path)]) == 1
-    assert contact_atlas.main(["maps", str(path), "--figure", str(tmp_path / "maps.png")]) == 0
+    assert "| whole | 250 |" in out
+    assert "in atlas.nc" not in out  # its condition is none of the design
+    assert atlas_tables.main(["grids", str(path)]) == 1
+    assert atlas_tables.main(["maps", str(path), "--figure", str(tmp_path / "maps.png")]) == 0
     path.write_bytes(b"broken")
     assert contact_atlas.main(["validate", str(path)]) == 1
     assert "cannot be read" in capsys.readouterr().err
@@ -253,7 +256,7 @@ def test_the_loss_of_a_loop_is_the_one_between_equal_pressures():
     }
     whole = xr.Dataset({name: ("step", value) for name, value in states.items()} | constants)
     whole = whole.assign_coords(condition=3, surface=1).expand_dims(["condition", "surface", "preload"])
-    (one,) = contact_atlas.deepest(whole)
+    (one,) = atlas_tables.deepest(whole)
     number, ratio = validate_loops.measured_ratio(one)
     assert ratio == pytest.approx(1 + 0.02 / (0.9 - 0.1))
     assert number == pytest.approx(2e6 * np.cbrt(9 * 1e-7 / (16 * np.pi * 0.05 * 1e18)) / 0.89)
@@ -261,11 +264,11 @@ def test_the_loss_of_a_loop_is_the_one_between_equal_pressures():
 
 def test_grids_extrapolate_a_known_order():
     values = [1 + 0.1 * spacing**2 for spacing in (4.0, 2.0, 1.0)]
-    assert contact_atlas.extrapolated(*map(np.array, values)) == pytest.approx(1.0)
+    assert atlas_tables.extrapolated(*map(np.array, values)) == pytest.approx(1.0)
 
 
 def test_parts_of_a_dataset_join_to_the_whole():
-    whole = contact_atlas.read(contact_atlas.DATA)
+    whole = atlas_tables.read(atlas_tables.DATA)
     first, rest = whole.isel(condition=slice(0, 30)), whole.isel(condition=slice(30, None))
     assert join([rest, first]).identical(whole)
     # Others' loops may be shorter, and lack what only some software computes.
@@ -278,9 +281,9 @@ def test_parts_of_a_dataset_join_to_the_whole():
 
 
 def test_datasets_that_do_not_join_are_one_line(tmp_path, capsys):
-    data, out = str(contact_atlas.DATA), tmp_path / "wide.nc"
+    data, out = str(atlas_tables.DATA), tmp_path / "wide.nc"
     wrong = tmp_path / "wrong.nc"
-    contact_atlas.read(contact_atlas.DATA).drop_vars("mean_gap").to_netcdf(wrong)
+    atlas_tables.read(atlas_tables.DATA).drop_vars("mean_gap").to_netcdf(wrong)
     for others, words in (
         ([], "missing --others"),
         (["--others", data], "dataset 2: condition 1 is in another dataset"),

@@ -12,7 +12,7 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
 from contact_study.study.study import make_study, read_study
 from scripts import atlas_atoms
-from scripts.contact_atlas import read
+from scripts.atlas_tables import read
 from scripts.harness import PAPER
 
 CONDITION = Condition(7, 0.8, 4.0, 0.3, 0.2, "lennard_jones_10_4", "half_space")

@@ -7,7 +7,7 @@ from contact_study.physics.laws import Dugdale, ExponentialCore, LennardJones104
 from contact_study.physics.laws.lennard_jones import Repulsive
 from contact_study.physics.process_zone import jump_number
 from contact_study.physics.spheres.numbers import maugis_parameter, tabor_parameter
-from scripts import contact_atlas, jump_onset, validate_hysteresis
+from scripts import atlas_tables, jump_onset, validate_hysteresis
 from theory import JKR, SelfAffineSpectrum, apparent_adhesion, edge_flow
 from theory.edge_flow.apparent_adhesion import LARGEST_SIMULATED, Extrapolated, adhesion_ratio, stronger
 from theory.gap_flow.state import PressureCurve
@@ -50,7 +50,7 @@ def test_the_apparent_adhesion_rises_with_the_square(ratio, expected):
 
 
 def test_beyond_simulated_loops_it_warns():
-    judged = contact_atlas.read(validate_hysteresis.JUMPING_DATA)["apparent_adhesion_ratio"].max()
+    judged = atlas_tables.read(validate_hysteresis.JUMPING_DATA)["apparent_adhesion_ratio"].max()
     strongest = adhesion_ratio(jump_number(2 / PAPER.rms_laplacian, 93.7348e9, LennardJones104(6 * 0.6924, 3.28e-10)))
     assert adhesion_ratio(LARGEST_SIMULATED - 0.05) < max(judged, strongest) <= adhesion_ratio(LARGEST_SIMULATED)
     apparent_adhesion(SPECTRUM, MODULUS, law_of(LARGEST_SIMULATED - 1e-6))

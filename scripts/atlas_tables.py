@@ -1,0 +1,298 @@
+"""Tables and the figure of the contact atlas, of its dataset or another, as Markdown.
+
+python -m scripts.atlas_tables areas
+python -m scripts.atlas_tables maps --figure docs/images/contact_atlas.png
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from contact_study.atlas.collection import THEORIES
+from contact_study.atlas.design import JUMPING, LEAST_JUMP, Condition, design
+from contact_study.atlas.loops import REFINEMENTS
+from contact_study.inputs.errors import InputError
+from contact_study.plots.style import DOUBLE, styled
+from scripts.harness import FIGURE, Option, minus, program, save, show
+
+DATA = Path("data/contact_atlas.nc")
+LIGHTEST, HEAVIEST = 0.02, 1.2  # pressures of compared states, over half of modulus times rms slope
+LARGEST_ERROR = 0.5  # of the figure's colours
+AREA = "corrected_contact_area"  # that theories are compared with
+SHOWN_LOADS = 0.05, 0.4  # of grids, over half of modulus times rms slope
+SHOWN = 0.2  # pressure of the figure's area
+MARKERS = {"lennard_jones_10_4": ("10-4 law", "o"), "exponential": ("exponential", "s"), "dugdale": ("Dugdale", "^")}
+NAMES = {"persson": "Persson", "gap_flow": "gap flow", "edge_flow": "edge flow"}
+
+
+def run(given: argparse.Namespace) -> None:
+    ACTIONS[given.action](given)
+
+
+def numbers(given: argparse.Namespace) -> None:
+    """Print numbers of the whole design, of its conditions in a dataset, and of the jumping conditions."""
+    (whole, refusals), jumping = design(), design(JUMPING, least_jump=LEAST_JUMP)
+    there = set(read(given.file)["condition"].values.tolist())
+    some = [one for one in whole if one.number in there]
+    rows = []
+    for name, conditions, refused in (
+        ("whole", whole, refusals),
+        (f"in {given.file.name}", some, {}),
+        ("jumping", *jumping),
+    ):
+        if not conditions:
+            continue
+        grids = np.percentile([one.points for one in conditions], (0, 50, 100))
+        laws = "/".join(str(sum(one.law == law for one in conditions)) for law in MARKERS)
+        layers = sum(one.solid == "layer" for one in conditions)
+        ranges = (
+            f"{np.median(values):.2g} ({min(values):.2g}…{max(values):.2g})"
+            for name in ("hurst_exponent", "cutoff_ratio", "relative_adhesion", "tabor_number")
+            for values in [[getattr(one, name) for one in conditions]]
+        )
+        reasons = "; ".join(f"{number} {reason}" for reason, number in sorted(refused.items()))
+        rows.append(
+            (name, len(conditions), reasons, "/".join(f"{points:.0f}" for points in grids), laws, layers, *ranges)
+        )
+    show(
+        ("", "conditions", "refused", "grid (min/median/max)", "10-4/exp./Dugdale", "layers", "H", "q₁/q₀", "θ", "μ"),
+        rows,
+    )
+
+
+def areas(given: argparse.Namespace) -> None:
+    """Print the errors of the theories' contact area and mean gap against loading, by adhesion."""
+    data = read(given.file)
+    groups: dict[str, Callable[[xr.Dataset], bool]] = {
+        "all": lambda one: True,
+        "half-spaces, θ < 0.3": lambda one: solid_of(one) == "half_space" and one["relative_adhesion"] < 0.3,
+        "half-spaces, θ ≥ 0.3": lambda one: solid_of(one) == "half_space" and one["relative_adhesion"] >= 0.3,
+        "layers": lambda one: solid_of(one) == "layer",
+    }
+    rows = []
+    for theory in THEORIES:
+        for words, holds in groups.items():
+            rows += _errors([one for one in deepest(data) if holds(one)], theory, words)
+    show(
+        (
+            "theory",
+            "conditions",
+            "number",
+            "states",
+            "area: mean",
+            "mean size",
+            "95 % below",
+            "worst",
+            "ū/h_rms: mean size",
+            "worst",
+        ),
+        rows,
+    )
+
+
+def solid_of(one: xr.Dataset) -> str:
+    return str(one["solid"].values)
+
+
+def _errors(loops: list[xr.Dataset], theory: str, words: str) -> Iterator[tuple[object, ...]]:
+    area, gap, conditions = [], [], set()
+    for one in loops:
+        by = one.sel(theory=theory)
+        there = (one["branch"] == 0) & compared(one)
+        there &= by["theory_relative_contact_area"].notnull() & (by["theory_converged"] == 1)
+        if not there.any():
+            continue
+        conditions.add(int(one["condition"]))
+        area += (by["theory_relative_contact_area"] / one[AREA] - 1).values[there].tolist()
+        gap += ((by["theory_mean_gap"] - one["mean_gap"]) / one["rms_height"]).values[there].tolist()
+    if area:
+        sizes, gaps = np.abs(area), np.abs(gap)
+        shown = (
+            f"{100 * np.mean(area):+.0f}",
+            *(f"{100 * size:.0f}" for size in (sizes.mean(), np.quantile(sizes, 0.95), sizes.max())),
+        )
+        gap_cells = f"{np.nanmean(gaps):.3f}", f"{np.nanmax(gaps):.2f}"
+        yield NAMES[theory], words, len(conditions), len(area), *(minus(f"{cell} %") for cell in shown), *gap_cells
+
+
+def compared(one: xr.Dataset) -> xr.DataArray:
+    """Test which states are between the lightest and the heaviest pressure, and converged."""
+    pressure = one["mean_pressure"] / stress_of(one)
+    return (pressure >= LIGHTEST) & (pressure <= HEAVIEST) & (one["converged"] == 1)
+
+
+def grids(given: argparse.Namespace) -> None:
+    """Print errors on half the points, the atlas' grid and twice the points against the extrapolation of the three."""
+    data = read(given.file)
+    if "refined_mean_pressure" not in data:
+        raise InputError(f"{given.file}: no condition was run on other grids")
+    rows = []
+    for one in deepest(data.isel(surface=[0])):
+        if one["refined_pull_off_pressure"].isnull().any():
+            continue
+        three = [_summary(one, factor) for factor in (REFINEMENTS[0], None, REFINEMENTS[1])]
+        cells = []
+        for words, (_, unit) in three[0].items():
+            values = [np.asarray(each[words][0]) for each in three]
+            limit = extrapolated(*values)
+            shown = (f"{100 * (value - limit) / (unit or abs(limit)):+.1f}" for value in values)
+            cells.append(f"{minus('/'.join(shown))} %")
+        rows.append((int(one["condition"]), f"{int(one['points'])}²", *cells))
+    show(("condition", "grid", *three[0]), rows)
+
+
+def _summary(one: xr.Dataset, factor: float | None) -> dict[str, tuple[float, float | None]]:
+    """Return results of a loop on its own or another grid, and their units if errors are not relative."""
+    loop = one if factor is None else one.sel(refinement=factor)
+    prefix = "" if factor is None else "refined_"
+    found: dict[str, tuple[float, float | None]] = {}
+    way = one["branch"].values == 0
+    pressure = loop[f"{prefix}mean_pressure"].values[way] / stress_of(one)
+    rising = pressure > np.fmax.accumulate(np.append(0.0, pressure[:-1]))
+    for name, words in (("relative_contact_area", "area"), (AREA, "corrected area")):
+        values = loop[f"{prefix}{name}"].values[way][rising]
+        for at in SHOWN_LOADS:
+            there = float(np.exp(np.interp(np.log(at), np.log(pressure[rising]), np.log(values))))
+            found[f"{words} at {at:g}"] = there, None
+    found["pull-off"] = float(loop[f"{prefix}pull_off_pressure"]), None
+    found["loss over Δγ"] = float(loop[f"{prefix}dissipated_energy"].max()), float(one["work_of_adhesion"])
+    return found
+
+
+def extrapolated(coarse: np.ndarray, own: np.ndarray, fine: np.ndarray) -> np.ndarray:
+    """Extrapolate values of three grids: by their own order where differences fall, else of first order."""
+    first, second = np.asarray(own - coarse, float), np.asarray(fine - own, float)
+    ratio = np.divide(first, second, out=np.full(np.shape(first), 2.0), where=second != 0)
+    return fine + second / (np.clip(np.where(ratio > 0, ratio, 2.0), 2.0, None) - 1)
+
+
+def cost(given: argparse.Namespace) -> None:
+    """Print processor time by grid."""
+    data = read(given.file)
+    points, seconds = data["points"].values, data["processor_time"].values
+    rows = []
+    for low, high in ((0, 100), (100, 200), (200, 300), (300, 513)):
+        some = (points >= low) & (points < high)
+        if some.any():
+            rows.append(
+                (
+                    f"{points[some].min()}²…{points[some].max()}²",
+                    some.sum(),
+                    f"{seconds[some].mean():.0f}",
+                    f"{seconds[some].max():.0f}",
+                )
+            )
+    rows.append(("all", points.size, f"{seconds.mean():.0f}", f"{seconds.max():.0f}"))
+    show(("grid", "conditions", "mean (s)", "largest (s)"), rows)
+
+
+def maps(given: argparse.Namespace) -> None:
+    save(picture(read(given.file)), given.figure or Path("docs/images/contact_atlas.png"))
+
+
+@styled
+def picture(data: xr.Dataset) -> Figure:
+    """Draw area, hysteresis, pull-off and the theories' errors over relative adhesion and Tabor number."""
+    figure = Figure(figsize=(DOUBLE, 4.6), layout="constrained")
+    panels = figure.subplots(2, 3, sharex=True, sharey=True)
+    found = list(deepest(data))
+    place = np.array([(float(one["relative_adhesion"]), float(one["tabor_number"])) for one in found])
+    laws = np.array([str(one["law"].values) for one in found])
+    columns = {
+        f"area at {SHOWN:g} E*h′/2": [_area(one) for one in found],
+        r"loss of the loop / $\Delta\gamma$": [
+            float(lost_of(one).dropna("step")[-1] / one["work_of_adhesion"]) for one in found
+        ],
+        "pull-off / (E*h′/2)": [float(-one.pull_off_pressure) / stress_of(one) for one in found],
+        **{f"error of area: {NAMES[theory]}": [_mean_error(one, theory) for one in found] for theory in THEORIES},
+    }
+    for axes, (words, given) in zip(panels.flat, columns.items(), strict=True):
+        values, signed = np.array(given), words.startswith("error")
+        largest = LARGEST_ERROR if signed else np.nanmax(values)
+        colours = {"cmap": "RdBu_r" if signed else "viridis", "vmin": -largest if signed else 0.0, "vmax": largest}
+        for law, (label, marker) in MARKERS.items():
+            some = laws == law
+            edges = {"edgecolors": "#404040", "linewidths": 0.4, "s": 26, "marker": marker}
+            drawn = axes.scatter(*place[some].T, c=values[some], label=label, **edges, **colours)
+        axes.set(xscale="log", yscale="log")
+        axes.set_title(words, fontsize=8.5)
+        figure.colorbar(drawn, ax=axes, extend="both" if signed else "neither")
+    for axes in panels[-1]:
+        axes.set_xlabel(r"$\theta = \Delta\gamma/U_\mathrm{full}$")
+    for axes in panels[:, 0]:
+        axes.set_ylabel(r"Tabor number $\mu$")
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    legend = figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    for handle in legend.legend_handles:
+        handle.set_array(None)
+        handle.set_facecolor("white")
+    return figure
+
+
+def stress_of(one: xr.Dataset) -> float:
+    """Return half of modulus times rms slope of a surface (Pa)."""
+    return float(0.5 * one["contact_modulus"] * one["rms_slope"])
+
+
+def lost_of(one: xr.Dataset) -> xr.DataArray:
+    """Return the loss up to each state (J/m²); errors near full contact balance at the end of the loop."""
+    return one["dissipated_energy"] + one["unaccounted_work"]
+
+
+def _area(one: xr.Dataset) -> float:
+    """Interpolate the contact area on loading at the figure's pressure."""
+    way = (one["branch"] == 0).values & np.isfinite(one["mean_pressure"].values)
+    pressure = one["mean_pressure"].values[way] / stress_of(one)
+    return float(np.interp(SHOWN, np.maximum.accumulate(pressure), one[AREA].values[way]))
+
+
+def _mean_error(one: xr.Dataset, theory: str) -> float:
+    values = one["theory_relative_contact_area"].sel(theory=theory) / one[AREA] - 1
+    values = values.where((one["branch"] == 0) & compared(one))
+    return float(values.mean()) if values.notnull().any() else np.nan
+
+
+def deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
+    """Yield the loop to the largest preload of each condition and surface."""
+    for condition in range(data.sizes["condition"]):
+        for surface in range(data.sizes["surface"]):
+            yield data.isel(condition=condition, surface=surface, preload=-1)
+
+
+def by_number(conditions: list[Condition], numbers: list[int]) -> list[Condition]:
+    """Choose conditions by their numbers; InputError for a number that none has."""
+    known = {one.number: one for one in conditions}
+    if lacking := [number for number in numbers if number not in known]:
+        raise InputError(f"--numbers {lacking[0]}: is no condition of the design; see the dataset's condition")
+    return [known[number] for number in numbers]
+
+
+def read(path: Path) -> xr.Dataset:
+    try:
+        return xr.load_dataset(path)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as a dataset ({type(error).__name__})") from None
+
+
+ACTIONS = {
+    "design": numbers,
+    "areas": areas,
+    "grids": grids,
+    "cost": cost,
+    "maps": maps,
+}
+
+main = program(
+    run,
+    Option("action", str, "table, or the figure", choices=tuple(ACTIONS)),
+    Option("file", DATA, "dataset of the atlas", type=Path),
+    FIGURE,
+)
+
+if __name__ == "__main__":
+    sys.exit(main())
