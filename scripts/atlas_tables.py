@@ -127,23 +127,26 @@ def compared(one: xr.Dataset) -> xr.DataArray:
 
 
 def grids(given: argparse.Namespace) -> None:
-    """Print errors on half the points, the atlas' grid and twice the points against the extrapolation of the three."""
+    """Print mean sizes of errors on half, all and twice the points against the extrapolation of the three, by law."""
     data = read(given.file)
     if "refined_mean_pressure" not in data:
         raise InputError(f"{given.file}: no condition was run on other grids")
-    rows = []
+    by_law: dict[str, list[list[np.ndarray]]] = {}
     for one in deepest(data.isel(surface=[0])):
         if one["refined_pull_off_pressure"].isnull().any():
             continue
         three = [_summary(one, factor) for factor in (REFINEMENTS[0], None, REFINEMENTS[1])]
-        cells = []
+        errors = []
         for words, (_, unit) in three[0].items():
-            values = [np.asarray(each[words][0]) for each in three]
+            values = np.array([each[words][0] for each in three])
             limit = extrapolated(*values)
-            shown = (f"{100 * (value - limit) / (unit or abs(limit)):+.1f}" for value in values)
-            cells.append(f"{minus('/'.join(shown))} %")
-        rows.append((int(one["condition"]), f"{int(one['points'])}²", *cells))
-    show(("condition", "grid", *three[0]), rows)
+            errors.append(100 * np.abs(values - limit) / (unit or abs(limit)))
+        by_law.setdefault(str(one["law"].values), []).append(errors)
+    rows = [
+        (MARKERS[law][0], len(found), *(f"{'/'.join(f'{size:.1f}' for size in each)} %" for each in np.mean(found, 0)))
+        for law, found in sorted(by_law.items())
+    ]
+    show(("law", "conditions", *three[0]), rows)
 
 
 def _summary(one: xr.Dataset, factor: float | None) -> dict[str, tuple[float, float | None]]:
@@ -217,7 +220,7 @@ def picture(data: xr.Dataset) -> Figure:
         colours = {"cmap": "RdBu_r" if signed else "viridis", "vmin": -largest if signed else 0.0, "vmax": largest}
         for law, (label, marker) in MARKERS.items():
             some = laws == law
-            edges = {"edgecolors": "#404040", "linewidths": 0.4, "s": 26, "marker": marker}
+            edges = {"edgecolors": "#404040", "linewidths": 0.3, "s": 13, "marker": marker}
             drawn = axes.scatter(*place[some].T, c=values[some], label=label, **edges, **colours)
         axes.set(xscale="log", yscale="log")
         axes.set_title(words, fontsize=8.5)
