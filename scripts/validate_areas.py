@@ -19,11 +19,10 @@ import xarray as xr
 
 from contact_study.atlas.collection import THEORIES, WAYS, theory_values
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, STRESS, Condition, design
-from contact_study.atlas.loops import file_of, seeds_of, study_of, theory_files, theory_study_of
-from contact_study.campaign.library import run as run_study
+from contact_study.atlas.loops import file_of, run_theories, run_under_pressures, seeds_of
 from scripts.atlas_tables import AREA, DATA, MARKERS, NAMES, by_number
 from scripts.harness import Option, head, minus, row, tabulated
-from scripts.validate_hysteresis import LARGEST, LEAST, STRONG, judging_half, ratio_of_means
+from scripts.validate_hysteresis import LARGEST, LEAST, STRONG, choosing_half, ratio_of_means
 
 CONDITIONS = [109, 129, 577, 743, 933, 1051, 19, 127, 187, 595, 663, 889, 1125]  # of partial contact under pressure
 SURFACES, MANY = 16, {1051: 64}  # of each condition; more where few summits carry
@@ -33,12 +32,12 @@ TABLE = DATA.with_name("areas_of_atlas.csv")
 
 
 def rows(given: argparse.Namespace) -> Iterator[dict[str, Any]]:
-    judges = judging_half()
+    chose = choosing_half()
     for one in by_number(design(JUMPING, least_jump=LEAST_JUMP)[0], given.numbers):
         count = given.surfaces or MANY.get(one.number, SURFACES)
         areas = _areas(one, seeds_of(one, count), Path(given.folder), given.workers)
         same = {"condition": one.number, "law": one.law, "relative_adhesion": one.relative_adhesion}
-        same |= {"judges": one.number in judges, "surfaces": count}
+        same |= {"judges": one.number not in chose, "surfaces": count}
         for way, place in itertools.product(range(len(WAYS)), range(len(PRESSURES))):
             simulated, *theories = areas[:, way, :, place]
             found = same | {"branch": WAYS[way], "pressure": PRESSURES[place], "area": float(simulated.mean())}
@@ -49,13 +48,10 @@ def rows(given: argparse.Namespace) -> Iterator[dict[str, Any]]:
 
 def _areas(condition: Condition, seeds: Sequence[int], folder: Path, workers: int) -> np.ndarray:
     """Areas by simulation and by each theory, shape (1 + theories, ways, surfaces, pressures)."""
-    folder.mkdir(parents=True, exist_ok=True)
     path = [STRESS * share for share in (*PRESSURES, PRELOAD, *PRESSURES[::-1])]
-    study = study_of(condition, seeds)
-    study |= {"loading": {"path": path}, "sweep": {"surface.seed": list(seeds)}, "output": {"restart": False}}
-    states = run_study(study, output=file_of(folder, condition, "areas"), resume=True, workers=workers)
+    states = run_under_pressures(condition, file_of(folder, condition, "areas"), seeds, path, workers)
     simulated = states[AREA].where(states["converged"] == 1).transpose("seed", "step").values
-    trees = [_theories_of(condition, seed, path, folder) for seed in seeds]
+    trees = [[*map(xr.load_datatree, run_theories(condition, folder, seed, path))] for seed in seeds]
     pairs = [[simulated, simulated]]
     for label in THEORIES:
         by_surface = (
@@ -64,13 +60,6 @@ def _areas(condition: Condition, seeds: Sequence[int], folder: Path, workers: in
         pairs.append([np.array(each) for each in by_surface])
     count = len(PRESSURES)
     return np.array([(there[:, :count], back[:, :count:-1]) for there, back in pairs])
-
-
-def _theories_of(condition: Condition, seed: int, path: list[float], folder: Path) -> list[xr.DataTree]:
-    files = theory_files(condition, folder, seed)
-    for core, file in files.items():
-        run_study(theory_study_of(condition, seed, path, core), "theory", output=file, resume=True)
-    return [xr.load_datatree(file) for file in files.values()]
 
 
 def lines(table: pd.DataFrame) -> Iterator[str]:

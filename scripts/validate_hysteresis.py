@@ -27,7 +27,19 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.plots.style import DOUBLE, styled
 from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
-from scripts.atlas_tables import AREA, DATA, HEAVIEST, LIGHTEST, MARKERS, NAMES, compared, deepest, read, stress_of
+from scripts.atlas_tables import (
+    AREA,
+    DATA,
+    HEAVIEST,
+    LIGHTEST,
+    MARKERS,
+    NAMES,
+    by_number,
+    compared,
+    deepest,
+    read,
+    stress_of,
+)
 from scripts.harness import FIGURE, Option, minus, program, save, show
 from theory.edge_flow.apparent_adhesion import GROWTH, adhesion_ratio, stronger
 from theory.edge_flow.flow import edge_flow
@@ -170,8 +182,8 @@ def theory_input(
 def surfaces(data: xr.Dataset) -> None:
     """Print the edge flow against means of several surfaces by condition, then all theories by groups of them."""
     loops = [data.isel(condition=place, preload=-1) for place in range(data.sizes["condition"])]
-    judges = judging_half()
-    judging = [int(one["condition"]) in judges for one in loops]
+    chose = choosing_half()
+    judging = [int(one["condition"]) not in chose for one in loops]
     columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach", "pull-off"
     results = {theory: [of_surfaces(one, theory) for one in loops] for theory in THEORIES}
     rows = []
@@ -198,10 +210,9 @@ def surfaces(data: xr.Dataset) -> None:
     )
 
 
-def judging_half() -> dict[int, Condition]:
-    """Return the jumping conditions that did not choose k, by number: no row of the table of the fit."""
-    chose = set(read(JUMPING_DATA)["condition"].values[::2].tolist())
-    return {one.number: one for one in design(JUMPING, least_jump=LEAST_JUMP)[0] if one.number not in chose}
+def choosing_half() -> set[int]:
+    """Return the numbers of the jumping conditions that chose k, the rows of the table of the fit; the rest judge."""
+    return set(read(JUMPING_DATA)["condition"].values[::2].tolist())
 
 
 def of_surfaces(loops: xr.Dataset, theory: str) -> tuple[list[np.ndarray], list[tuple[float, float]]]:
@@ -246,10 +257,10 @@ def ratio_of_means(simulated: np.ndarray, theory: np.ndarray) -> tuple[float, fl
 
 def distributions(data: xr.Dataset) -> None:
     """Print errors of the edge flow's deviations and skewness of local gap and pressure, on the half that judges."""
-    judges, rows = judging_half(), []
-    for number in data["condition"].values:
-        condition = judges.get(int(number))
-        if condition is None or condition.traction_law.has_wall:
+    chose, rows = choosing_half(), []
+    for condition in by_number(design(JUMPING, least_jump=LEAST_JUMP)[0], data["condition"].values.tolist()):
+        number = condition.number
+        if number in chose or condition.traction_law.has_wall:
             continue  # no density of the pressure in the edge flow
         for place, way in enumerate(WAYS):
             errors = np.concatenate(

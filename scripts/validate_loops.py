@@ -16,8 +16,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, STRESS, Condition, design
-from contact_study.atlas.loops import file_of, seeds_of, study_of
-from contact_study.campaign.library import run as run_study
+from contact_study.atlas.loops import file_of, run_under_pressures, seeds_of
 from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
 from scripts.atlas_tables import AREA, LIGHTEST, by_number, deepest, lost_of, read, stress_of
@@ -121,11 +120,9 @@ def reloading(given: argparse.Namespace) -> None:
 def turned(condition: Condition, pressures: np.ndarray, given: argparse.Namespace) -> np.ndarray:
     """Return mean areas on loading, unloading and reloading at rising pressures over E* h'/2, shape (3, pressures)."""
     seeds = seeds_of(condition, given.surfaces)
-    study = study_of(condition, seeds)
     path = np.concatenate([pressures, pressures[-2::-1], pressures[1:]])
-    study |= {"loading": {"path": (path * STRESS).tolist()}, "sweep": {"surface.seed": seeds}}
-    given.folder.mkdir(parents=True, exist_ok=True)
-    found = run_study(study, "continuum", output=file_of(given.folder, condition, "reloading"), resume=True)
+    output = file_of(given.folder, condition, "reloading")
+    found = run_under_pressures(condition, output, seeds, (path * STRESS).tolist())
     area = found[AREA].mean("seed").values
     count = pressures.size
     return np.stack([area[:count], area[2 * count - 2 : count - 2 : -1], area[2 * count - 2 :]])

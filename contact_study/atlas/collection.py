@@ -253,9 +253,10 @@ def _loop(loop: xr.Dataset) -> xr.Dataset:
         known = variable_of(name)
         given = loop[name] if name in loop else xr.DataArray(np.nan)
         found[name] = given.assign_attrs(units=known.units, long_name=known.long_name)
+    units = {"rms_height": float(loop["rms_height"]), "stress_unit": STRESS}
     for name, (what, unit, edges) in _DISTRIBUTED.items():
-        scale = STRESS if unit == "stress_unit" else float(loop[unit])
-        shapes = _moments(loop[name], what) | _coarse(loop[name], what, scale, edges)
+        density = loop[name].transpose("step", f"{what}_bin")
+        shapes = _moments(density, what) | _coarse(density, what, units[unit] * np.array(edges))
         found |= {key: value.where(there).assign_attrs(value.attrs) for key, value in shapes.items()}
     known = variable_of("unaccounted_work")
     attributes = {"units": known.units, "long_name": known.long_name}
@@ -277,7 +278,7 @@ def _moments(density: xr.DataArray, what: str) -> dict[str, xr.DataArray]:
     """Standard deviation and skewness of a distribution."""
     at = density[f"{what}_bin"]
     words = {"standard_deviation": ("standard deviation", at.attrs["units"]), "skewness": ("skewness", "1")}
-    found = moments(at.values, density.transpose("step", at.name).values)
+    found = moments(at.values, density.values)
     return {
         f"{what}_{name}": xr.DataArray(
             value, dims="step", attrs={"units": units, "long_name": f"{word} of the local {what}"}
@@ -286,11 +287,11 @@ def _moments(density: xr.DataArray, what: str) -> dict[str, xr.DataArray]:
     }
 
 
-def _coarse(density: xr.DataArray, what: str, unit: float, edges: Sequence[float]) -> dict[str, xr.DataArray]:
-    """Share of the surface below each edge of coarse bins."""
+def _coarse(density: xr.DataArray, what: str, edges: np.ndarray) -> dict[str, xr.DataArray]:
+    """Share of the surface below each edge of coarse bins (m, Pa)."""
     at = density[f"{what}_bin"].values
     fine = np.append(at, 2 * at[-1] - at[-2]) - 0.5 * (at[1] - at[0])
-    below = cumulative(density.transpose("step", f"{what}_bin").values, fine, unit * np.array(edges))
+    below = cumulative(density.values, fine, edges)
     attributes = {"units": "1", "long_name": f"share of the surface whose {what} is below the edge of a bin"}
     return {f"{what}_below": xr.DataArray(below, dims=("step", f"{what}_edge"), attrs=attributes)}
 

@@ -168,8 +168,25 @@ def run_condition(
         _run(study, "continuum", file_of(folder, condition, f"grid{factor:g}"), workers)
     for seed in seeds:
         pressures = theory_pressures(loops.sel(seed=seed).isel(trigger_force=-1))
-        for core, path in theory_files(condition, folder, seed).items():
-            _run(theory_study_of(condition, seed, pressures.tolist(), core), "theory", path, 1)
+        run_theories(condition, folder, seed, pressures.tolist())
+
+
+def run_theories(condition: Condition, folder: Path, seed: int, pressures: Sequence[float]) -> list[Path]:
+    """Run what a folder lacks of the theories of one surface at pressures (Pa), and return their files."""
+    files = theory_files(condition, folder, seed)
+    for core, path in files.items():
+        _run(theory_study_of(condition, seed, pressures, core), "theory", path, 1)
+    return list(files.values())
+
+
+def run_under_pressures(
+    condition: Condition, output: Path, seeds: Sequence[int], pressures: Sequence[float], workers: int = 1
+) -> xr.Dataset:
+    """Run, or read, a condition's surfaces under a path of pressures (Pa) in place of loops; it resumes."""
+    study = study_of(condition, seeds)
+    study |= {"loading": {"path": list(pressures)}, "sweep": {"surface.seed": list(seeds)}}
+    output.parent.mkdir(parents=True, exist_ok=True)
+    return run(study, output=output, resume=True, workers=workers)
 
 
 def _run(study: dict[str, Any], model: str, output: Path, workers: int) -> xr.Dataset:
