@@ -115,6 +115,7 @@ def test_simulations_balance_and_count(folder, name):
             np.testing.assert_allclose(dataset[pdf].sum(edges).values[present] * width, 1.0, rtol=1e-12)
 
 
+@pytest.mark.validation
 def test_own_path_reaches_the_predicted_states(folder, tmp_path):
     """In two processes and without the continuum's gap field the atoms end in the same states, to the tolerance."""
     command = [Path(sys.executable).with_name("md-reference"), folder / "study.toml", "-o", tmp_path / "own.nc"]
@@ -126,6 +127,7 @@ def test_own_path_reaches_the_predicted_states(folder, tmp_path):
             assert difference.max() <= within, name
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("name", MODELS)
 def test_smaller_study_is_widened_to_the_whole(folder, tmp_path, name):
     """One law, one pressure; then all of the study: the numbers are those of a run that asked for all at once."""

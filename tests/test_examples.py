@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 # Coarser grids have attractions of longer range, which reach the rim.
-pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse", "ignore:elasticity.boundary")
+pytestmark = [
+    pytest.mark.validation,
+    pytest.mark.filterwarnings("ignore:grid too coarse", "ignore:elasticity.boundary"),
+]
 
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").rglob("*.py"))
 # Sizes at which an example takes seconds.
@@ -39,13 +42,9 @@ SMALLER = {
     "hysteresis_mesh": ("(48, 72, 108, 162)", "(24, 32)"),
 }
 LONGER = {"texture_for_pull_off": 70}  # lines
-SLOW = dict.fromkeys(
-    ("cluster", "room_temperature", "texture_for_pull_off", "viscoelastic_pull_off"), pytest.mark.validation
-)  # 10 s and more
-SLOW |= {example.stem: pytest.mark.validation for example in EXAMPLES if example.parent.name == "published"}
 
 
-@pytest.mark.parametrize("example", [pytest.param(e, marks=SLOW.get(e.stem, ()), id=e.stem) for e in EXAMPLES])
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.stem)
 def test_example_draws_its_figure(example, tmp_path, monkeypatch):
     source = example.read_text()
     assert source.count("\n") <= (80 if example.parent.name == "published" else LONGER.get(example.stem, 40))

@@ -37,6 +37,7 @@ def test_the_paper_s_commands(options, surfaces, trajectories, tmp_path, monkeyp
         assert warm[warm.index("--sampling.trajectories") + 1] == trajectories
 
 
+@pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:grid too coarse")
 def test_branches_compares_every_way_with_steps(tmp_path, capsys):
     path = tmp_path / "branches.csv"

@@ -30,6 +30,7 @@ from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, edge_flow
 from theory import references as reference
 
 
+@pytest.mark.validation
 def test_trials_start_from_the_edge_flow_and_part_from_it():
     spectrum = SelfAffineSpectrum(0.8, 1e-9, 6.04e7, 1.81e8, 7.25e8)
     flow = edge_flow(spectrum, 93.7e9, LennardJones104(2.77, 3.28e-10), highest_pressure=2e9, gaps=60, scales=16)
@@ -49,6 +50,7 @@ def test_trials_start_from_the_edge_flow_and_part_from_it():
     assert area(branch="loading") < 0.97 * own < 1.03 * own < area(branch="unloading")
 
 
+@pytest.mark.validation
 @pytest.mark.filterwarnings("ignore")  # coarse grids are quick; what they miss is not the point
 def test_a_setting_goes_in_and_back(monkeypatch):
     monkeypatch.setattr(edge_flow_ensemble, "PRESSURES", (0.5, 5.0))
@@ -112,6 +114,7 @@ def test_the_contact_mechanics_challenge(tmp_path, capsys):
     assert float(cells["4000", "ū (µm)"][1]) < float(cells["1000", "ū (µm)"][1])
 
 
+@pytest.mark.validation
 def test_slow_motion_and_one_step_part_where_the_grid_is_coarser_than_the_process_zone(tmp_path, capsys):
     asked = ["--points", "24", "--seeds", "1", "--laws", "exponential", "-o", str(tmp_path / "states.csv")]
     assert trapped_edges.main([*asked, "--ratios", "0.2", "2", "--figure", str(tmp_path / "figure.png")]) == 0

@@ -34,6 +34,7 @@ def dataset(folder):
     return collect([CONDITION], folder)
 
 
+@pytest.mark.validation
 def test_loops_reach_their_preloads_and_end_apart(dataset):
     assert problems(dataset) == []
     one = dataset.isel(condition=0, surface=0)
@@ -48,6 +49,7 @@ def test_loops_reach_their_preloads_and_end_apart(dataset):
     assert one.work_of_separation.values == pytest.approx(one.work_of_approach.values, rel=2e-3)
 
 
+@pytest.mark.validation
 def test_moments_are_those_of_the_distributions(folder, dataset):
     with xr.open_dataset(loops.file_of(folder, CONDITION)) as opened:
         loop = opened.isel(seed=0, trigger_force=-1).load()
@@ -66,6 +68,7 @@ def test_moments_are_those_of_the_distributions(folder, dataset):
     assert float(whole.pressure_standard_deviation.max()) == pytest.approx(STRESS, rel=0.1)
 
 
+@pytest.mark.validation
 def test_losses_of_a_loop_are_its_work(dataset):
     """∮ −p ds between separated states is all that a loop loses: nothing at this long range."""
     one = dataset.isel(condition=0, surface=0, preload=-1).dropna("step", subset=["mean_pressure"])
@@ -76,6 +79,7 @@ def test_losses_of_a_loop_are_its_work(dataset):
     assert float(abs(one.unaccounted_work).max()) > 0
 
 
+@pytest.mark.validation
 def test_theories_are_at_the_pressures_of_loading(folder, dataset):
     one = dataset.isel(condition=0, surface=0, preload=-1)
     there = one.theory_relative_contact_area.notnull()
@@ -95,6 +99,7 @@ def test_theories_are_at_the_pressures_of_loading(folder, dataset):
     assert one.finest_tabor_number == pytest.approx(CONDITION.tabor_number, rel=0.2)  # that of the surface
 
 
+@pytest.mark.validation
 def test_a_finished_condition_is_not_run_again(folder, monkeypatch):
     before = {path: path.stat().st_mtime_ns for path in folder.glob("*.nc")}
     run_condition(CONDITION, folder, preloads=PRELOADS)
@@ -137,6 +142,7 @@ def test_errors_in_datasets_are_those_of_the_judging_half():
         assert np.nanmean(sizes) == pytest.approx(expected, abs=0.005)  # rounded to a per cent
 
 
+@pytest.mark.validation
 def test_tables_of_the_jumping_conditions(capsys, tmp_path):
     assert validate_hysteresis.main(["branches"]) == 0
     for action in ("losses", "preloads"):
@@ -206,6 +212,7 @@ def test_moments_of_two_values():
     assert moments(np.array([0.0, 4.0]), np.array([3.0, 1.0])) == pytest.approx((np.sqrt(3), 2 / np.sqrt(3)))
 
 
+@pytest.mark.validation
 def test_distributions_of_the_edge_flow_are_compared_at_states_of_both_ways(capsys):
     data = atlas_tables.read(SURFACES).sel(condition=[129], surface=[1])
     validate_hysteresis.distributions(data)
@@ -216,6 +223,7 @@ def test_distributions_of_the_edge_flow_are_compared_at_states_of_both_ways(caps
         assert abs(deviations[2]) < 0.1  # of the deviation of the pressure; a few per cent on all surfaces
 
 
+@pytest.mark.validation
 def test_tables_of_a_dataset(dataset, tmp_path, capsys):
     path = tmp_path / "atlas.nc"
     dataset.to_netcdf(path)
@@ -309,6 +317,7 @@ def test_parts_of_a_job_array_share_the_conditions(monkeypatch, tmp_path, capsys
     assert "--part 3/2: expected K/N" in capsys.readouterr().err
 
 
+@pytest.mark.validation
 def test_coarse_bins_are_shares_of_the_surface(folder, dataset):
     with xr.open_dataset(loops.file_of(folder, CONDITION)) as opened:
         loop = opened.isel(seed=0, trigger_force=-1).load()

@@ -47,6 +47,7 @@ def test_lattice_and_modulus_are_those_of_the_paper():
     assert case.material.contact_modulus == pytest.approx(atoms.CONTACT_MODULUS)
 
 
+@pytest.mark.validation
 def test_blocks_are_the_smallest_that_are_fine_enough():
     chosen = blocks()
     assert len(chosen) == TWENTIETH
@@ -56,6 +57,7 @@ def test_blocks_are_the_smallest_that_are_fine_enough():
     assert {block.condition.number for block in chosen} >= {*WARM_CONDITIONS, *FINE_CONDITIONS}
 
 
+@pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:the 10 states of a point are too few")
 def test_a_block_is_run_at_both_temperatures_and_joined(tmp_path, monkeypatch, capsys):
     block = Block(CONDITION, 0.5)

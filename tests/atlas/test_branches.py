@@ -12,6 +12,7 @@ def numbered(number):
     return next(one for one in drawn() if one.number == number)
 
 
+@pytest.mark.validation
 def test_states_are_computed_once_and_those_that_part_are_counted(tmp_path, capsys, monkeypatch):
     path = tmp_path / "branches.csv"
     monkeypatch.setattr(branches, "design", lambda count: ([numbered(47), numbered(179)], {}))
@@ -37,6 +38,7 @@ def test_states_are_computed_once_and_those_that_part_are_counted(tmp_path, caps
     assert "| −0.0100 |" in next(line for line in said if "| no | flow 1e-2 |" in line)
 
 
+@pytest.mark.validation
 def test_thermal_motion_vanishes_with_its_share_of_the_length():
     condition = numbered(91)
     height = np.zeros((4, 4))

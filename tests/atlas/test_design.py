@@ -62,6 +62,7 @@ def test_a_design_is_reproducible_and_longer_ones_continue_it():
     assert design(10, seed=2)[0] != short
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("count", [25, 75])
 def test_the_beginning_stands_for_the_whole(count):
     whole, first = design()[0], design(count)[0]

@@ -39,6 +39,7 @@ def test_flat_surfaces_jump_in_for_all_of_their_work_and_the_solid_takes_none():
     assert abs(last(found, "viscous_dissipation")) < 1e-9 * WORK
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(
     "loading",
     [

@@ -136,6 +136,7 @@ def probe(sections=None, **loading):
     return {**PROBE, **(sections or {}), "loading": {**PROBE["loading"], **loading}}
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("loading", [{}, {"adaptive": True, "resolution": 0.05, "machine_stiffness": "1 N/m"}])
 def test_a_way_in_ends_at_its_trigger(loading, tmp_path):
     table = probe(path=["-9 nm", "0 nm", "9 nm", "12 nm", "0.1 nm", "-9 nm"], **loading)

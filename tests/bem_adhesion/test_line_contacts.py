@@ -20,6 +20,7 @@ def cylinder(points, boundary, rows=4):
     return (height, size) if boundary == "free_x" else (np.ascontiguousarray(height.T), size[::-1])
 
 
+@pytest.mark.validation
 def test_rows_are_sums_over_their_cells_up_to_the_distance_that_they_count_from():
     y, x, period, reference, periods = 0.1 * np.arange(5), 0.1 * np.arange(9), 0.8, 3.0, 20_000
     cells = sum(_cell_displacement(y + m * period, x, 0.1, 0.1) for m in range(-periods, periods + 1))

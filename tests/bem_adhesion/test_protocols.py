@@ -122,6 +122,7 @@ def test_a_protocol_goes_on_from_each_point_to_the_same_bits(kind, tmp_path, mon
         np.testing.assert_array_equal(found[name], protocol(kind)[name])
 
 
+@pytest.mark.validation
 def test_pull_off_grows_with_the_dwell_and_the_account_closes_with_the_spring():
     path, forces = ["-100 nm", "1 um", "1 um", "-800 nm"], []
     for dwell in (0.01, 10.0):

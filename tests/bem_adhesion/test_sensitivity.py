@@ -118,6 +118,7 @@ def test_what_has_no_derivative_is_said(sections, said):
         sensitivity(study(**sections))
 
 
+@pytest.mark.validation
 def test_the_command_simulates_once(tmp_path, capsys):
     quick = {"flows": "none", "spectrum": "analytic"}
     few = {**copy.deepcopy(STUDY), "theory": quick, "loading": {"path": [1e5]}}

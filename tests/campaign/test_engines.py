@@ -115,6 +115,7 @@ def dask(run):
     return on_cluster
 
 
+@pytest.mark.validation
 def test_numbers_are_those_of_one_machine(cluster, dask, built, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # a relative path is the client's, not the workers'
     status, _, said = dask(cluster, "-o", "dask.nc")

@@ -207,6 +207,7 @@ def test_inputs_that_are_none(seeds, built, refused, tmp_path):
         refused(arguments, words)
 
 
+@pytest.mark.validation
 def test_predictors_of_the_parts_are_all_named(seeds, run, merge, refused, tmp_path):
     for at, seed in enumerate(seeds[:2]):
         shutil.copy(seed, tmp_path / f"start{at}.nc")

@@ -240,6 +240,7 @@ def test_height_map_that_changes_while_the_study_runs(run, new_map, after_step):
     assert {label for label, _ in solved} == {"well_depth_ratio = 1.0"}
 
 
+@pytest.mark.validation
 def test_predictor_is_widened_with_its_study(finished, run, tmp_path):
     start = ("--predictor", str(tmp_path / "bem.nc"))
     run(BASE, *start, output="md.nc", model=TOY_ATOMS)

@@ -57,6 +57,7 @@ def test_tables_are_written_and_checked(tmp_path, monkeypatch, capsys):
             blocks(broken)
 
 
+@pytest.mark.validation
 def test_scripts_that_share_a_process_print_what_they_print_alone(tmp_path, monkeypatch, capfd):
     page, command = tmp_path / "README.md", "python -m scripts.reference_tables symbols"
     page.write_text(f"<!-- checked table: {command} -->\n<!-- end -->\n")

@@ -93,6 +93,7 @@ def test_mistakes_are_one_line_each(tmp_path, files, capsys, monkeypatch):
     assert "pip install 'bem-adhesion[explore]'" in capsys.readouterr().err
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("field", ["clusters", None])
 def test_the_lines_of_python_draw_the_view(files, field, monkeypatch, tmp_path):
     models = open_models(files)

@@ -50,6 +50,7 @@ def test_every_key_of_a_study_has_a_field(page):
     assert "surface.hurst_exponent" not in names
 
 
+@pytest.mark.validation
 def test_what_one_types_is_the_study_of_the_command(page, tmp_path):
     widget(page, "surface.rms_height").value = "5 angstrom"
     widget(page, "loading.path").value = "10 MPa, 1 GPa"

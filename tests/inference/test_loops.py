@@ -11,6 +11,8 @@ from contact_study import InputError
 from contact_study.inference.simulated import SPACING, SimulatedLoops
 from scripts.validate_inference import STUDY, measured_loop
 
+pytestmark = pytest.mark.validation
+
 POINTS = 20
 
 
@@ -57,7 +59,6 @@ def test_loops_on_disk_are_used_again(found, curve, folder, monkeypatch):
     assert float(again["work_of_adhesion"][0]) == pytest.approx(float(found["work_of_adhesion"][0]), rel=2e-3)
 
 
-@pytest.mark.validation
 def test_loops_are_even_in_the_logarithm_and_scale_with_the_modulus(folder, found):
     (path, *_) = sorted(path for path in folder.iterdir() if path.suffix == ".nc")
     with xr.open_dataset(path) as dataset:

@@ -131,6 +131,7 @@ def test_uniform_strain_and_rigid_motion_are_exact_across_levels():
 LINEAR, ROTATING = (block_of((16, 8), (3, 2), kind) for kind in (MultiscaleBlock, NonlinearSpringBlock))
 
 
+@pytest.mark.validation
 def test_forces_of_turning_springs_are_the_gradient_of_the_energy():
     at, along = 0.1 * SPACING * random_vector(ROTATING), SPACING * random_vector(ROTATING, 1)
 

@@ -29,6 +29,7 @@ def case_of(table):
     return make_study(table).cases[0]
 
 
+@pytest.mark.validation
 def test_explicit_block_comes_to_rest_where_the_condensed_one_does():
     interaction = {"well_depth_ratio": 8}
     rest = run(moving(interaction=interaction))
@@ -64,6 +65,7 @@ def test_series_tells_the_approach(tmp_path):
     assert series.kinetic_energy[0].item() == pytest.approx(0.5 * mass * 20**2, rel=0.3)  # it is faster by then
 
 
+@pytest.mark.validation
 @SHORT
 def test_a_block_in_flight_did_not_converge_and_one_without_damping_has_the_means_of_its_motion():
     # All forces are small but those of the impact to come.
@@ -92,6 +94,7 @@ def test_a_block_that_damping_slows_is_said_to_fall_and_how_fast():
     assert [float(speed) for speed in said.groups()] == pytest.approx([1e9 / (mass * 5e12)] * 2, rel=0.01)
 
 
+@pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:.* did not converge")
 def test_a_single_state_that_counts_is_warned_of():
     two = {"duration": "1 ps", "frames": 2}
@@ -124,6 +127,7 @@ def driven(path, **sections):
     return moving(**{"dynamics": given, "loading": loading, "surface": SMALL, **sections})
 
 
+@pytest.mark.validation
 def test_driven_plane_goes_where_it_is_told_at_its_speed(tmp_path):
     study = driven(["0.2 nm", "0.05 nm", "0.05 nm", "0.0525 nm", "1.2 nm"])
     dataset, case = run(study, output=tmp_path / "md.nc"), case_of(study)
@@ -155,6 +159,7 @@ def test_driven_plane_goes_where_it_is_told_at_its_speed(tmp_path):
     assert free.elastic_energy.item() < held.elastic_energy.item()
 
 
+@pytest.mark.validation
 def test_a_torn_off_block_comes_down_again():
     study = moving(loading={"path": ["1 GPa", "-3.5 GPa", "1 GPa"]}, surface=SMALL, dynamics={"duration": "60 ps"})
     dataset, step = run(study), time_step(case_of(study))

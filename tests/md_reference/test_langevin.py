@@ -95,6 +95,7 @@ def test_driven_block_goes_with_its_plane():
     np.testing.assert_allclose(system.block.bottom_of(motion.velocity)[2], -20.0, rtol=1e-6)
 
 
+@pytest.mark.validation
 def test_kinetic_temperature_is_the_thermostats_at_any_step():
     system = system_of(1.0, Quartic(), damping=0.1 * FASTEST, temperature=300.0)
     generator = np.random.default_rng(3)

@@ -56,6 +56,7 @@ def landing():
     return Motion(case_of((16, 16), 4, [5e8], surface={"rms_height": 3e-10, "cutoff_mode": 6}))
 
 
+@pytest.mark.validation
 def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
     path, interval = landing.explicit(residual=3e-3)
     distances = []

@@ -61,6 +61,7 @@ WARM = {
 }
 
 
+@pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:.* did not converge", "ignore:the .* states")
 @pytest.mark.parametrize(
     ("study", "owner", "method", "stops"),

@@ -39,6 +39,7 @@ def test_laplacian_of_a_wave_and_variances_of_all(shape):
     assert plan.pairs == 1
 
 
+@pytest.mark.validation
 @settings(max_examples=25, deadline=None)
 @given(st.tuples(*[st.integers(1, 9)] * 2), st.tuples(*[st.integers(0, 8)] * 2), st.integers(0, 99))
 def test_interpolation_keeps_the_samples_and_is_undone(shape, more, seed):

@@ -77,6 +77,7 @@ def test_the_page_stands_alone_and_says_what_was_run(compared):
         assert words in text, words
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_report_of_seeds_unconverged_steps_and_a_title_that_is_no_text(tmp_path):
     odd = SEEDED.replace('title = "synthetic"', "title = '<script>&'").replace("[1, 2, 3]", "[1, 2]")
@@ -106,6 +107,7 @@ LARGE = (
 )
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize(
     ("text", "other", "there", "absent"),
@@ -202,6 +204,7 @@ def test_no_common_point_is_refused_an_unconverged_step_counts_and_detachment_do
         assert out.exists() == (status != 1)
 
 
+@pytest.mark.validation
 def test_figures_in_other_formats(tmp_path, monkeypatch):
     """PDF and SVG beside PNG or alone, text as text, equal runs equal bytes; the report keeps its own."""
     monkeypatch.setattr(figures.curves, "distributions", lambda *_: [])

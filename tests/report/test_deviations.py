@@ -133,6 +133,7 @@ def test_differences_are_paired(tmp_path):
     assert "paired differences over seed" in error.attrs["long_name"]
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_any_swept_key_may_be_averaged_over(tmp_path):
     paths = synthetic.write_all(tmp_path, synthetic.HEIGHTS, ("continuum", "atomistic"))

@@ -55,6 +55,7 @@ def check_page(name, figure):
     assert all(figure.bbox.padded(1).contains(*corner) for box in boxes for corner in (box.min, box.max)), name
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(
     ("text", "kinds"),
     [
@@ -68,6 +69,7 @@ def test_nothing_is_printed_over_anything_or_cut(monkeypatch, tmp_path, text, ki
         check_page(name, figure)
 
 
+@pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:.*(process zone|of the surface)")
 def test_probes_have_a_force_curve(monkeypatch, tmp_path):
     study = {
@@ -88,6 +90,7 @@ def test_probes_have_a_force_curve(monkeypatch, tmp_path):
     assert "force" not in drawn(monkeypatch, read(tmp_path, LOOP))[0], "a periodic cell under pressure"
 
 
+@pytest.mark.validation
 def test_a_report_draws_the_leakage_that_a_study_asks_for(monkeypatch, tmp_path):
     study = {
         "surface": {"kind": "wavy", "size": "1 um", "shape": [24, 24], "amplitude": "10 nm"},
@@ -125,6 +128,7 @@ def test_maps_of_any_cell_fit_their_page(size, models):
         assert box.width > 0.25 * figure.dpi
 
 
+@pytest.mark.validation
 def test_panels_name_their_state_and_captions_the_meaning(monkeypatch, tmp_path):
     inputs = read_inputs(write_all(tmp_path))
     for model, dataset in inputs.models.items():

@@ -118,6 +118,7 @@ def test_scatter_between_surfaces(seeds, inputs):
     assert {pair.partition(" - ")[0] for pair in target["pair"].values} == {"persson@analytic", "gap_flow@analytic"}
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_scatter_in_the_files(files, seeds, tmp_path):
     status, page = reported(tmp_path, *files, options=("--scatter", seeds))

@@ -40,6 +40,7 @@ def paths(files, tmp_path):
     return [*files[:2], tmp_path / "more.nc"]
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_a_theory_of_another_spectrum_is_a_model_of_its_own(paths, tmp_path):
     with xr.open_dataset(paths[2], decode_timedelta=False) as root:
@@ -64,6 +65,7 @@ def test_a_theory_of_another_spectrum_is_a_model_of_its_own(paths, tmp_path):
     assert shown.branches.keys() == inputs.branches.keys()
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_an_entry_is_all_it_takes(paths, tmp_path, monkeypatch):
     unknown = read_inputs(paths)

@@ -208,6 +208,7 @@ def test_unconverged_and_detached_states_are_counted_and_left_out(tmp_path):
     assert overview.effort(*2 * [*models.values()]) == (14, 2, 4)
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_one_theory_of_a_file_and_a_dataset_without_fields(files, tmp_path):
     with xr.open_dataset(files[2], decode_timedelta=False) as dataset:
@@ -252,6 +253,7 @@ def test_constants_of_swept_keys_are_the_models_own(tmp_path):
     assert scales(models, sweep_points(models)[0]).rms_height == realised != pytest.approx(9e-10, rel=1e-3)
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_two_datasets_of_one_model(tmp_path):
     finer = STUDY.replace("shape = [24, 24]", "shape = [48, 48]")

@@ -40,6 +40,7 @@ def test_a_plug_in_that_fails_is_one_line(installed, tmp_path):
     assert (done.returncode, done.stderr) == (1, said)
 
 
+@pytest.mark.validation
 def test_own_kinds_run_on_workers_have_keys_and_keep_their_names(installed):
     checks = [sys.executable, Path(__file__).with_name("check_own_kinds.py"), STUDY]
     shown = subprocess.run(checks, env=installed, check=True, capture_output=True, text=True).stdout

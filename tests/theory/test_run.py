@@ -93,6 +93,7 @@ def test_names_are_those_of_the_schema(case, steps):
     assert all(step.values.keys() == steps[0].values.keys() for step in steps)
 
 
+@pytest.mark.validation
 def test_branches_of_the_edge_flow():
     case = case_of("1 GPa", flows="edge_flow", interaction={"well_depth_ratio": 6})
     constants, steps = constants_of(case), steps_of(case)

@@ -23,6 +23,7 @@ def test_a_matrix_and_its_transpose_are_solved(rows):
         np.testing.assert_allclose(values, np.linalg.solve(dense, aim), rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(("nodes", "kernel"), [(8, KERNEL), (31, (0.1, 0.6, 2.5))])
 def test_the_response_solves_its_two_coupled_equations(nodes, kernel):
     random = np.random.default_rng(nodes)
