@@ -108,9 +108,17 @@ def _conditions(given: argparse.Namespace) -> list[Condition]:
 
 
 def _refined(conditions: list[Condition], count: int) -> set[int]:
-    """Choose conditions of small grids for finer ones: those of the largest Tabor numbers, where grids matter most."""
-    small = [one for one in conditions if one.points <= SMALL_GRID]
-    return {one.number for one in sorted(small, key=lambda one: -one.tabor_number)[:count]}
+    """Choose conditions of small grids for finer ones: of each law those of the largest Tabor numbers.
+
+    There grids matter most.
+    """
+    places: dict[str, int] = {}
+    ranked = []
+    for one in sorted(conditions, key=lambda one: -one.tabor_number):
+        if one.points <= SMALL_GRID:
+            place = places[one.law] = places.get(one.law, 0) + 1
+            ranked.append((place, one.number))
+    return {number for _, number in sorted(ranked)[:count]}
 
 
 ACTIONS = {

@@ -305,6 +305,11 @@ def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
     trees = [xr.load_datatree(path) for path in files.values()]
     own = trees[0].to_dataset()
     steps = [np.flatnonzero(way) for way in (loading_states(loop), unloading_states(loop))]
+    pressures = loop["mean_pressure"].values[np.concatenate(steps)]
+    for path, tree in zip(files.values(), trees, strict=True):
+        there = tree["applied_pressure"].values
+        if there.shape != pressures.shape or not np.allclose(there, pressures, rtol=1e-6):
+            raise InputError(f"{path}: its pressures are not those of the loop; delete it and run its condition again")
     found: dict[str, xr.Variable] = {}
     for name in _OF_THEORIES:
         known = variable_of(name)

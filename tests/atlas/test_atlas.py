@@ -1,6 +1,7 @@
 """A small condition from its study to the tables of the atlas."""
 
 import argparse
+import shutil
 
 import numpy as np
 import pytest
@@ -104,6 +105,19 @@ def test_a_finished_condition_is_not_run_again(folder, monkeypatch):
     before = {path: path.stat().st_mtime_ns for path in folder.glob("*.nc")}
     run_condition(CONDITION, folder, preloads=PRELOADS)
     assert {path: path.stat().st_mtime_ns for path in folder.glob("*.nc")} == before
+
+
+@pytest.mark.validation
+def test_theories_of_another_loop_are_refused(folder, tmp_path):
+    for path in folder.glob("*.*"):
+        if path.is_file():
+            shutil.copy(path, tmp_path)
+    theory = loops.theory_files(CONDITION, tmp_path, 701)[0.0]
+    tree = xr.load_datatree(theory)
+    tree["applied_pressure"] = 1.01 * tree["applied_pressure"]
+    tree.to_netcdf(theory)
+    with pytest.raises(InputError, match=r"0007_theory701\.nc: its pressures are not those of the loop"):
+        collect([CONDITION], tmp_path)
 
 
 def test_an_empty_folder_is_an_error(tmp_path):
@@ -302,6 +316,20 @@ def test_datasets_that_do_not_join_are_one_line(tmp_path, capsys):
     assert not out.exists()
     with pytest.raises(InputError, match="dataset 1: has no coordinate condition"):
         join([xr.Dataset()])
+
+
+def test_refined_conditions_are_of_all_laws_in_equal_shares():
+    conditions = design()[0]
+    refined = contact_atlas._refined(conditions, 25)
+    taken = [one for one in conditions if one.number in refined]
+    laws = [one.law for one in taken]
+    assert sorted(laws.count(law) for law in set(laws)) == [8, 8, 9]
+    for one in taken:  # of the same law none of a larger Tabor number on a small grid is left
+        assert all(
+            other.number in refined or other.law != one.law or other.tabor_number < one.tabor_number
+            for other in conditions
+            if other.points <= contact_atlas.SMALL_GRID
+        )
 
 
 def test_parts_of_a_job_array_share_the_conditions(monkeypatch, tmp_path, capsys):
