@@ -231,8 +231,8 @@ class NewtonSolver:
         options, raised = self.options, False
         while True:
             reduction = options.damped_reduction if damping else options.reduction
-            if damping == 0 and state.largest <= options.close:
-                above = max(excess) if mean is None else excess.residual
+            above = max(excess) if mean is None else excess.residual
+            if damping == 0 and state.largest <= options.close and above > 0:  # zero where a wall carries all points
                 reduction = max(options.beyond_tolerance / above, options.close_reduction)
                 reduction = min(reduction, options.damped_reduction)
             total = reduction * abs(state.total) if light else np.inf
