@@ -10,6 +10,9 @@ PIP := PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-
 # A few small contacts, whose kernels are those of the paper's study.
 SMALL := data/yang2008_quick.toml --surface.shape 32,32 --surface.size "83.2 angstrom" --surface.cutoff_mode 8 \
          --loading.path "1 GPa, 2 GPa" --workers 1 --overwrite
+# Atoms in motion and springs that turn have kernels of their own.
+MOVING := --atomistic.method dynamics --atomistic.block nonlinear_springs --material.atom_mass "197 u" \
+          --dynamics.duration "0.05 ps" --dynamics.frames 2
 
 .PHONY: env paper test validation lint benchmark mutants docs docs-tables docs-check clean
 .DELETE_ON_ERROR:
@@ -27,8 +30,9 @@ env: .venv/.ready
 	$(PIP) --editable .
 	@# The rest is installed while kernels compile; if they cannot, they will when they are needed.
 	@mkdir -p build
-	@for command in bem-adhesion md-reference persson-theory; do \
-	  $(BIN)/$$command $(SMALL) -o build/$$command.nc > build/$$command.log 2>&1; done & \
+	@{ for command in bem-adhesion md-reference persson-theory; do \
+	  $(BIN)/$$command $(SMALL) -o build/$$command.nc > build/$$command.log 2>&1; done; \
+	  $(BIN)/md-reference $(SMALL) $(MOVING) -o build/moving.nc > build/moving.log 2>&1; } & \
 	$(PIP) --editable '.[dev]'; status=$$?; wait; exit $$status
 	@# python scripts/NAME.py finds its neighbours, too.
 	@$(BIN)/python -c 'import pathlib, sysconfig; pathlib.Path(sysconfig.get_path("purelib"), "project-folder.pth").write_text("$(CURDIR)\n")'

@@ -64,6 +64,7 @@ def test_a_setting_goes_in_and_back(monkeypatch):
     assert at.loc[0.5, "unloading"] >= at.loc[0.5, "loading"]
 
 
+@pytest.mark.validation
 def test_shelf_of_theories_without_adhesion_on_small_surfaces(capsys):
     assert non_adhesive_shelf.main(["--surfaces", "2", "--points", "64"]) == 0
     rows = [row.replace("−", "-").split(" | ") for row in capsys.readouterr().out.splitlines()[2:]]

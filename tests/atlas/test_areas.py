@@ -11,6 +11,7 @@ from scripts.validate_areas import PRESSURES
 CONDITION = Condition(7, 0.8, 4.0, 0.3, 0.2, "lennard_jones_10_4", "half_space")
 
 
+@pytest.mark.validation
 def test_areas_of_a_condition_are_paired_by_surface_branch_and_pressure(tmp_path, monkeypatch):
     monkeypatch.setattr(validate_areas, "design", lambda *_, **__: ([CONDITION], {}))
     table = tmp_path / "areas.csv"

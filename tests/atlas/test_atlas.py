@@ -302,6 +302,7 @@ def test_parts_of_a_dataset_join_to_the_whole():
     assert wide.theory_mean_gap[:30].identical(first.theory_mean_gap)
 
 
+@pytest.mark.validation
 def test_datasets_that_do_not_join_are_one_line(tmp_path, capsys):
     data, out = str(atlas_tables.DATA), tmp_path / "wide.nc"
     wrong = tmp_path / "wrong.nc"

@@ -336,6 +336,7 @@ IN_TIME = {
 }
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("way", [IN_TIME, {"solver": {"path": "overdamped"}, "loading": {"path": [1e8]}}])
 def test_slow_paths_have_the_map_too(way):
     """Contact gathers where the work of adhesion is large."""

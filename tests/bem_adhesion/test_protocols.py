@@ -107,6 +107,7 @@ def test_a_way_in_ends_at_its_trigger_and_the_dwell_holds_the_machine(kind):
     assert float(plain.total_force[1]) == pytest.approx(200e-9, rel=2e-3)
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("kind", WAYS)
 def test_a_protocol_goes_on_from_each_point_to_the_same_bits(kind, tmp_path, monkeypatch):
     output, table = tmp_path / "path.nc", probe(**WAYS[kind])

@@ -42,6 +42,7 @@ def central():
         return sensitivity(study())
 
 
+@pytest.mark.validation
 def test_derivatives_are_differences_of_runs(central):
     for key in central["parameter"].values:
         section, name = str(key).split(".")

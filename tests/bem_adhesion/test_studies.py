@@ -146,6 +146,7 @@ def test_contact_creeps_in_time():
     assert found.relative_contact_area[2] > 1.1 * found.relative_contact_area[1], "under constant load"
 
 
+@pytest.mark.validation
 def test_adaptive_steps_dissipate_pull_off_and_keep_the_states_they_pass(tmp_path):
     path = [1e9, 0.1e9, -3e9]
     table = adaptive("pressure", path)

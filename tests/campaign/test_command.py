@@ -155,6 +155,7 @@ def test_wrong_arguments(run, tmp_path, arguments, culprit):
     assert names(tmp_path) == []
 
 
+@pytest.mark.validation
 def test_closed_log_does_not_stop_the_run(study, tmp_path):
     command = f"{sys.executable} -m tests.campaign.toy_model {study} -o {tmp_path}/bem.nc --workers 1 2>&1 >/dev/null"
     subprocess.run(["bash", "-c", f"{command} | true"], check=True)

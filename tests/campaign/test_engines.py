@@ -37,6 +37,7 @@ def on(cluster, tasks, report=lambda *_: None, workers=4):
     engines.run(tasks, workers, report, "dask", cluster.scheduler_address)
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("name", ENGINES)
 def test_every_task_is_run_once_and_reports_here(name, request):
     scheduler = request.getfixturevalue("cluster").scheduler_address if name == "dask" else None
@@ -224,6 +225,7 @@ def test_folder_that_is_not_shared_is_said(run, monkeypatch):
     assert "a worker has finished steps that are not here" in said
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(("arguments", "imported"), [((), "False\n"), (("--engine", "dask"), "True\n")])
 def test_a_command_imports_dask_only_where_it_is_asked_for(arguments, imported):
     program = "import sys; from tests.campaign.toy_model import main; main(); "

@@ -58,6 +58,7 @@ def test_a_map_is_looked_at_and_nothing_run(folder, capsys):
     assert np.sqrt(variance) == pytest.approx(41.23e-12, abs=0, rel=1e-3)
 
 
+@pytest.mark.validation
 def test_the_surface_of_a_study_is_looked_at(folder, study, capsys):
     assert inspect("study.toml", "-o", "looked.pdf") == 0
     said = capsys.readouterr().out

@@ -14,6 +14,7 @@ from contact_study.campaign.store.case_file import CaseFile
 from tests.campaign.toy_study import MORE, assert_same, changed, steps_on_disk
 
 
+@pytest.mark.validation
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="finds the workers in /proc")
 @pytest.mark.parametrize("when", ["a step is finished", "workers start"])
 def test_interrupt_keeps_steps_and_says_so(tmp_path, when):

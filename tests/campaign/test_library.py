@@ -53,6 +53,7 @@ def assert_same(*datasets):
     xr.testing.assert_identical(*(dataset.drop_vars("wall_time").drop_attrs() for dataset in datasets))
 
 
+@pytest.mark.validation
 def test_a_table_gives_the_dataset_of_the_command_and_leaves_nothing(tmp_path):
     table = copy.deepcopy(STUDY)
     dataset = run(table)
@@ -67,6 +68,7 @@ def test_a_table_gives_the_dataset_of_the_command_and_leaves_nothing(tmp_path):
     assert_same(run("study.toml"), dataset)
 
 
+@pytest.mark.validation
 def test_an_output_is_written_kept_and_gone_on_from(tmp_path, capfd, monkeypatch):
     assert_same(run(STUDY, output="out.nc"), xr.load_dataset("out.nc"))
     words = r"out\.nc exists; use overwrite=True to replace it or resume=True to continue its run$"
@@ -206,6 +208,7 @@ def test_the_version_is_that_of_the_installed_package():
     assert importlib.metadata.version("bem-adhesion") == contact_study.__version__
 
 
+@pytest.mark.validation
 def test_a_height_array_is_a_surface(tmp_path):
     height = 2e-11 * np.random.default_rng(0).standard_normal((16, 24))
     study = {name: keys for name, keys in STUDY.items() if name not in ("surface", "sweep")}

@@ -112,6 +112,7 @@ def test_values_in_other_units_are_one_point(built, merge, tmp_path):
         np.testing.assert_allclose(joined.rms_height, [1e-10, 3e-10, 5e-10], rtol=1e-15)
 
 
+@pytest.mark.validation
 def test_joined_study_is_gone_on_from(seeds, built, merge, run, tmp_path):
     merge(*seeds[:2])
     longer = changed(**SWEPT, loading=LONGER_PATH)
@@ -131,6 +132,7 @@ def test_a_key_that_nobody_sweeps_is_named_or_joined_along(built, merge, refused
     assert_same(tmp_path / "all.nc", built(with_sweep(surface_hurst_exponent=[0.7, 0.8])))
 
 
+@pytest.mark.validation
 def test_different_studies_are_refused_by_key(seeds, built, refused):
     for section, keys in (("loading", LONGER_PATH), ("loading", {"unload": True}), ("output", {"pressure_bins": 100})):
         other = built(changed(**SWEPT, **{section: keys}), SEED, "2")

@@ -253,6 +253,7 @@ def test_predictor_is_widened_with_its_study(finished, run, tmp_path):
     assert len(str(one.predictor_field.values.ravel()[0])) == 64
 
 
+@pytest.mark.validation
 def test_other_fields_of_the_predictor_are_refused(finished, run, begun, tmp_path):
     atoms = {"output": "md.nc", "model": TOY_ATOMS}
     with xr.open_datatree(tmp_path / "bem.nc") as tree:

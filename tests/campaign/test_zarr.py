@@ -14,6 +14,7 @@ pytestmark = pytest.mark.usefixtures("toy_is_the_continuum")
 SMALL = changed(sweep={"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2]})
 
 
+@pytest.mark.validation
 def test_it_is_resumed_replaced_and_kept(run, built, tmp_path):
     run(SMALL, output="bem.zarr")
     assert_same(tmp_path / "bem.zarr", built(SMALL))

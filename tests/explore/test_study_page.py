@@ -126,6 +126,7 @@ def test_nothing_is_overwritten(tmp_path, monkeypatch):
         draft.keep_upload(tmp_path, "large.npy", b"1234")
 
 
+@pytest.mark.validation
 def test_an_upload_becomes_the_surface(page, tmp_path):
     import io
 
@@ -156,6 +157,7 @@ def test_a_first_look_is_coarser_and_only_that():
     assert draft.coarser(waves, Path())["surface"]["shape"] == [128, 128]
 
 
+@pytest.mark.validation
 def test_the_theories_need_no_grid():
     curves = draft.theory_curve(make_study(draft.with_key(FIRST, "surface.shape", "16, 16")))
     assert curves.keys() == {"persson", "gap_flow", "edge_flow"}

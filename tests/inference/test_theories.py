@@ -211,6 +211,7 @@ def test_the_radius_must_be_known_without_contact_radius(probe):
         contact_study.infer(probe.curve, ["jkl"])
 
 
+@pytest.mark.validation
 def test_the_command_writes_dataset_and_figure(probe, tmp_path, capsys):
     table = np.array([probe.curve["displacement"].values * 1e9, probe.curve["total_force"].values * 1e9]).T
     path = tmp_path / "curve.csv"

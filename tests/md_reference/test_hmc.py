@@ -25,6 +25,7 @@ from tests.md_reference.systems import (
 )
 
 
+@pytest.mark.validation
 def test_anharmonic_well_is_sampled_exactly(monkeypatch):
     monkeypatch.setattr("md_reference.thermal.hmc._OUTER_KICK", 0.25)
     shape, temperature, pressure = (4, 4), 300.0, 2e9

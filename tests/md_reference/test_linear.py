@@ -73,6 +73,7 @@ def random_matrices(seed):
     return diagonal
 
 
+@pytest.mark.validation
 def test_core_is_the_stiffest_direction_of_each_atom():
     diagonal = random_matrices(4)
     _, (normal, removed, core) = parts_of(diagonal)

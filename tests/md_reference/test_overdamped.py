@@ -77,6 +77,7 @@ def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
     assert area[0] > area[1] + 0.1
 
 
+@pytest.mark.validation
 def test_energy_never_rises_and_rest_is_a_minimum(landing):
     found, before = landing.implicit(0.1, 1e-2), landing.start
     for each in found:
@@ -90,6 +91,7 @@ def test_energy_never_rises_and_rest_is_a_minimum(landing):
     assert found[-1].found.residual == pytest.approx(np.abs(slope).max() / E_STAR, abs=1e-10)
 
 
+@pytest.mark.validation
 def test_loop_of_contact_pull_off_and_new_contact(tmp_path):
     contact_study.run(changed(**FLOW), "atomistic", output=tmp_path / "md.nc")
     groups, touching = groups_of(tmp_path / "md.nc"), [0, 1, 4]

@@ -87,6 +87,7 @@ def test_run_stopped_anywhere_goes_on_to_the_same_bits(study, owner, method, sto
     assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(tmp_path / "whole.nc"))
 
 
+@pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:.* did not converge", "ignore:the .* states")
 def test_the_time_of_a_point_is_that_of_all_its_states(monkeypatch):
     add = Averages.add
@@ -103,6 +104,7 @@ def test_gap_control_holds_the_mean_and_has_no_load_to_err_from():
     assert np.all(dataset["mean_pressure" + STANDARD_ERROR] > 0)
 
 
+@pytest.mark.validation
 def test_a_block_that_thermal_motion_tears_off_is_detached():
     path, hot = {"path": ["1 GPa", "-2.3 GPa", "-2 GPa", "-3 GPa"]}, {"temperature": 600.0}
     warm = contact_study.run(changed(loading=path, atomistic=hot, sampling={"trajectories": 52}), "atomistic")

@@ -128,6 +128,7 @@ def test_contacts_of_other_laws(tmp_path, text, other, there, absent):
     assert [words for words in absent if words in page] == []
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_a_point_of_the_sweep_that_one_model_lacks(tmp_path, capsys):
     paths = [
@@ -160,6 +161,7 @@ def test_existing_files_are_kept_unless_told(compared, files, tmp_path, capsys):
     assert (tmp_path / "figure_3_contact_area.svg").read_text() == "precious"
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_overwriting_leaves_other_files_of_the_folder(files, tmp_path):
     (tmp_path / "notes.txt").write_text("mine")

@@ -157,6 +157,7 @@ def test_panels_name_their_state_and_captions_the_meaning(monkeypatch, tmp_path)
     assert [list(line.get_xdata()) for line in linear.lines].count([0, 0]) == 1, "a line at a gap of zero"
 
 
+@pytest.mark.validation
 def test_the_legend_says_how_laws_count_contact(monkeypatch, tmp_path):
     text = SINGLE.replace('well_depth = "18.6 meV"', 'work_of_adhesion = "0.69 J/m^2"')
     text += '[sweep]\n"interaction.law" = ["lennard_jones_10_4", "hard_wall"]\n'

@@ -173,6 +173,7 @@ def test_loops_have_a_pull_off_or_none(tmp_path):
     assert row[1:4] == ["continuum", "−350 to −300 MPa", "−60 nN"]
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize("kind", ["continuum", "atomistic", "theory"])
 def test_one_dataset_is_reported_on(tmp_path, kind):
@@ -189,6 +190,7 @@ def test_one_dataset_is_reported_on(tmp_path, kind):
     assert drawn == (every if kind == "theory" else {*every, "gap_map", "interface"})
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("unrendered")
 def test_unconverged_and_detached_states_are_counted_and_left_out(tmp_path):
     path = write(tmp_path / "one.nc", "continuum", unconverged=[(0, 0), (1, 2)], detached=[(1, 2), (1, 3)])

@@ -37,6 +37,7 @@ def test_definitions_are_kept_in_ones_own_folder_and_damaged_ones_do_no_harm(fre
     assert units.quantity("2 inch", "m", "key") == pytest.approx(0.0508, abs=0, rel=1e-15)
 
 
+@pytest.mark.validation
 def test_commands_start_without_dask():
     """Nor is it kept from those who use it."""
     code = "import sys, theory.study.model; assert 'dask' not in sys.modules; import dask.array; import pyfftw"

@@ -108,6 +108,7 @@ def test_contact_that_the_approach_does_not_reach_is_followed_from_its_own_side(
     assert not flow.states(np.array([between]))[0].converged
 
 
+@pytest.mark.validation
 def test_four_decades_of_roughness_have_states():
     """The stress of wide bands is in the last thousandths of their variance: 480 nodes or 300 scales agree."""
     wavevector = 2 * np.pi / 1e-4

@@ -32,6 +32,7 @@ def found(case):
         return [step.values for step in run.solve_path(case, realise(case))]
 
 
+@pytest.mark.validation
 def test_every_state_has_its_errors_and_only_where_asked(case, found):
     for state in ("persson", "gap_flow", "gap_flow/loading", "gap_flow/unloading", "edge_flow"):
         for values in found:

@@ -156,6 +156,7 @@ def test_a_state_whose_stresses_do_not_balance_is_flagged_with_a_remedy(monkeypa
     assert "use more cells" in values["persson/message"]
 
 
+@pytest.mark.validation
 def test_threads_and_a_restart_change_no_bit(steps):
     several = case_of(flows=BOTH, solver={"threads": 3})
     for start in (0, 1):
@@ -164,6 +165,7 @@ def test_threads_and_a_restart_change_no_bit(steps):
             assert_same(one, other.values)
 
 
+@pytest.mark.validation
 def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
     there = steps[0].values
     gap = {"loading": {"control": "gap"}}

@@ -36,6 +36,7 @@ def test_no_state_is_wrong(first, extreme):
     assert sum(verdict.narrow for verdict in verdicts) <= 1
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("number", [0, 1, 6, 9])
 def test_faults_are_found(number):
     """A state that is stretched, sheared off its load, lifted or of another energy is not taken for one."""
@@ -71,6 +72,7 @@ def _forgets_a_jump(follow):
     return cheaper
 
 
+@pytest.mark.validation
 # Numbers of studies with a hardness, in time, in steps of their own, of an approach and of a table.
 @pytest.mark.parametrize(
     ("number", "owner", "name", "broken", "words"),
