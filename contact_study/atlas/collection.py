@@ -19,6 +19,7 @@ from contact_study.atlas.loops import (
     seeds_of,
     theory_files,
     unloading_states,
+    without_core,
 )
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import cumulative, moments
@@ -333,13 +334,12 @@ def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
 def theory_values(trees: Sequence[xr.DataTree], label: str, name: str, back: bool) -> np.ndarray | None:
     """Return a theory's values at all its states, on the unloading branch if it has one; None if it has none."""
     given = [value for tree in trees if (value := of_theory(tree, label, name, back)) is not None]
-    at = given[-2:] if len(given) == len(CORES) else given[:1]
-    if not at:
+    if not given:
         return None
+    both = len(given) == len(CORES)
     if name == "converged":
-        return np.minimum(at[0], at[-1])
-    least, most = _BOUNDS.get(name, (-np.inf, np.inf))
-    return np.clip(2 * at[0] - at[-1], least, most)
+        return np.minimum(*given) if both else given[0]
+    return np.clip(without_core(*given) if both else given[0], *_BOUNDS.get(name, (-np.inf, np.inf)))
 
 
 def of_theory(tree: xr.DataTree, label: str, name: str, back: bool) -> np.ndarray | None:

@@ -102,6 +102,12 @@ def theory_files(condition: Condition, folder: Path, seed: int) -> dict[float, P
     return {core: file_of(folder, condition, f"theory{seed}{f'core{core:g}' * bool(core)}") for core in cores}
 
 
+def without_core(near: np.ndarray, far: np.ndarray) -> np.ndarray:
+    """Extrapolate linearly from what the laws of both :data:`CORES` give to a wall."""
+    least, most = CORES
+    return near + (near - far) * least / (most - least)
+
+
 def _surface(condition: Condition, points: int) -> dict[str, Any]:
     low, roll_off, cutoff = condition.modes
     return {
