@@ -10,6 +10,7 @@ python -m scripts.validate_loops reloading     # the way from a turning point on
 import argparse
 import itertools
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -41,14 +42,25 @@ def losses(given: argparse.Namespace) -> None:
     number, ratio, asperities = np.array(found).T
     share = (ratio - 1) / asperities
     rows = []
+    for _, some in _binned(number):
+        words = f"{number[some].min():.2f} … {number[some].max():.2f}"
+        medians = (np.median(values[some]) for values in (ratio, adhesion_ratio(number)))
+        shares = f"{share[some].min():.2f} … {share[some].max():.2f}"
+        rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians), shares))
+    show(("x", "loops", "Γ_D: median", "Γ: median", "(Γ_D − 1) over that of single asperities"), rows)
+
+
+def _binned(number: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the bins of x that have members: their limits in words, and a mask of the members."""
     for low, high in itertools.pairwise(ONSETS):
         some = (number >= low) & (number < high)
         if some.any():
-            words = f"{number[some].min():.2f} … {number[some].max():.2f}"
-            medians = (np.median(values[some]) for values in (ratio, adhesion_ratio(number)))
-            shares = f"{share[some].min():.2f} … {share[some].max():.2f}"
-            rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians), shares))
-    show(("x", "loops", "Γ_D: median", "Γ: median", "(Γ_D − 1) over that of single asperities"), rows)
+            yield f"{low:g} … {high:g}", some
+
+
+def _median_and_range(values: np.ndarray, digits: int) -> str:
+    known = values[np.isfinite(values)]
+    return f"{np.median(known):.{digits}f} ({known.min():.2f} … {known.max():.2f})" if known.size else ""
 
 
 def lost_by_asperities(one: xr.Dataset) -> float:
@@ -73,7 +85,7 @@ def lost_by_asperities(one: xr.Dataset) -> float:
 
 def preloads(given: argparse.Namespace) -> None:
     """Print how far unloading from a smaller preload reaches the branch of the largest, and the pull-off of both."""
-    data, pairs = read(given.file), []
+    data, found = read(given.file), []
     for one in deepest(data):
         small = data.sel(condition=int(one["condition"]), surface=int(one["surface"])).isel(preload=0)
         loads, places = zip(*(_ways(each) for each in (one, small)), strict=True)
@@ -83,22 +95,13 @@ def preloads(given: argparse.Namespace) -> None:
             continue
         rising, wide, narrow = (float(np.interp(np.log(shared), *way)) for way in (load, back, early))
         share = (narrow - rising) / (wide - rising) if wide - rising > LEAST else np.nan
-        pairs.append((measured_ratio(one), share, float(small["pull_off_pressure"] / one["pull_off_pressure"])))
-    rows = []
-    for low, high in itertools.pairwise(ONSETS):
-        some = np.array([pair[1:] for pair in pairs if pair[0] is not None and low <= pair[0][0] < high])
-        if some.size:
-            known = some[np.isfinite(some[:, 0]), 0]
-            shares = f"{np.median(known):.2f} ({known.min():.2f} … {known.max():.2f})" if known.size else ""
-            ratios = some[:, 1]
-            rows.append(
-                (
-                    f"{low:g} … {high:g}",
-                    len(some),
-                    shares,
-                    f"{np.median(ratios):.3f} ({ratios.min():.2f} … {ratios.max():.2f})",
-                )
-            )
+        if measured := measured_ratio(one):
+            found.append((measured[0], share, float(small["pull_off_pressure"] / one["pull_off_pressure"])))
+    number, shares, ratios = np.array(found).T
+    rows = [
+        (words, some.sum(), _median_and_range(shares[some], 2), _median_and_range(ratios[some], 3))
+        for words, some in _binned(number)
+    ]
     show(("x", "loops", "share of the branch reached: median (range)", "ratio of pull-offs"), rows)
 
 
