@@ -20,7 +20,7 @@ from contact_study.atlas.design import JUMPING, LEAST_JUMP, STRESS, Condition, d
 from contact_study.atlas.loops import file_of, run_under_pressures, seeds_of
 from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
-from scripts.atlas_tables import AREA, LIGHTEST, by_number, deepest, lost_of, read, stress_of
+from scripts.atlas_tables import AREA, LIGHTEST, MARKERS, by_number, deepest, lost_of, read, stress_of
 from scripts.harness import Option, minus, program, show
 from scripts.validate_hysteresis import JUMPING_DATA, LEAST
 from theory.edge_flow.apparent_adhesion import adhesion_ratio
@@ -29,6 +29,8 @@ ONSETS = 0.0, 1.1, 1.3, 1.5, 1.8, 2.3, 9.0  # bins of x
 RELOADED = 743, 889, 19, 1125, 127, 187, 577, 535  # conditions of small grids, by x
 TURN, LOWEST, STEPS = 0.4, 0.04, 7  # turning points over E* h'/2, and states of a way between them
 SHOWN = 1, 2, 3  # states after the turning point
+LEAST_X = 1.2  # from which a loss over x² − 1 has a meaning
+FIRST_JUMPS = {"dugdale": 0.55}  # λ₁ where it is not the law's: first jumps of a sharp end, from ``scripts.jump_onset``
 OPEN = 0.004  # area between the branches where a share of it has a meaning
 
 
@@ -37,10 +39,17 @@ def run(given: argparse.Namespace) -> None:
 
 
 def losses(given: argparse.Namespace) -> None:
-    """Print Γ_D = 1 + D/(Δγ ΔA) by x, beside Γ; D is lost from the lightest pressure to the preload and back."""
-    found = [(*pair, lost_by_asperities(one)) for one in deepest(read(given.file)) if (pair := measured_ratio(one))]
-    number, ratio, asperities = np.array(found).T
-    share = (ratio - 1) / asperities
+    """Print Γ_D = 1 + D/(Δγ ΔA) by x, beside Γ; D is lost from the lightest pressure to the preload and back.
+
+    A second table has k by law: of the loss, in place of the area.
+    """
+    found = [
+        (*pair, lost_by_asperities(one), str(one["law"].values))
+        for one in deepest(read(given.file))
+        if (pair := measured_ratio(one))
+    ]
+    number, ratio, asperities = np.array([each[:-1] for each in found]).T
+    law, share = np.array([each[-1] for each in found]), (ratio - 1) / asperities
     rows = []
     for _, some in _binned(number):
         words = f"{number[some].min():.2f} … {number[some].max():.2f}"
@@ -48,6 +57,14 @@ def losses(given: argparse.Namespace) -> None:
         shares = f"{share[some].min():.2f} … {share[some].max():.2f}"
         rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians), shares))
     show(("x", "loops", "Γ_D: median", "Γ: median", "(Γ_D − 1) over that of single asperities"), rows)
+    print()
+    rows = []
+    for name, onset in [*((name, LAWS[name].jump_onset) for name in MARKERS), *FIRST_JUMPS.items()]:
+        own = number * LAWS[name].jump_onset / onset
+        some = (law == name) & (own > LEAST_X)
+        growth = (ratio[some] - 1) / (own[some] ** 2 - 1)
+        rows.append((MARKERS[name][0], f"{onset:g}", some.sum(), _median_and_range(growth, 3, 3)))
+    show(("law", "λ₁", "loops", "(Γ_D − 1)/(x² − 1): median (range)"), rows)
 
 
 def _binned(number: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
@@ -58,9 +75,10 @@ def _binned(number: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
             yield f"{low:g} … {high:g}", some
 
 
-def _median_and_range(values: np.ndarray, digits: int) -> str:
+def _median_and_range(values: np.ndarray, digits: int, of_range: int = 2) -> str:
     known = values[np.isfinite(values)]
-    return f"{np.median(known):.{digits}f} ({known.min():.2f} … {known.max():.2f})" if known.size else ""
+    ends = " … ".join(f"{end:.{of_range}f}" for end in (known.min(), known.max())) if known.size else ""
+    return f"{np.median(known):.{digits}f} ({ends})" if known.size else ""
 
 
 def lost_by_asperities(one: xr.Dataset) -> float:

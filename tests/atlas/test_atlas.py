@@ -166,6 +166,12 @@ def test_tables_of_the_jumping_conditions(capsys, tmp_path):
     assert validate_hysteresis.main(["branches", "--figure", str(figure)]) == 0
     out = capsys.readouterr().out
     assert "| edge flow | θ ≥ 0.5 |" in out
+    growth = {
+        cells[2].strip(): float(cells[4].split()[0])
+        for line in out.splitlines()
+        if (cells := line.split("|"))[1:2] == [" Dugdale "] and len(cells) == 6
+    }
+    assert 0.1 < growth["0.55"] / growth["0.89"] < (0.55 / 0.89) ** 2  # x² − 1 grows by more than x²
     assert figure.stat().st_size > 10_000
 
 
