@@ -220,7 +220,7 @@ def picture(data: xr.Dataset) -> Figure:
         colours = {"cmap": "RdBu_r" if signed else "viridis", "vmin": -largest if signed else 0.0, "vmax": largest}
         for law, (label, marker) in MARKERS.items():
             some = laws == law
-            edges = {"edgecolors": "#404040", "linewidths": 0.3, "s": 13, "marker": marker}
+            edges = {"edgecolors": "#404040", "linewidths": 0.3, "s": 13, "marker": marker, "zorder": 3}
             drawn = axes.scatter(*place[some].T, c=values[some], label=label, **edges, **colours)
         axes.set(xscale="log", yscale="log")
         axes.set_title(words, fontsize=8.5)
