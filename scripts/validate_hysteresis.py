@@ -168,7 +168,7 @@ def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarr
             states = [flow.at_pressure(float(pressure)) for pressure in pressures]
             by_ratio.append([each.fraction_below(case.contact_distance) for each in states])
         by_core.append(np.array(by_ratio))
-    return without_core(*by_core) if len(by_core) == len(CORES) else by_core[0]
+    return without_core(by_core)
 
 
 def theory_input(

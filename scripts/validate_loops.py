@@ -77,8 +77,9 @@ def _binned(number: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
 
 def _median_and_range(values: np.ndarray, digits: int, of_range: int = 2) -> str:
     known = values[np.isfinite(values)]
-    ends = " … ".join(f"{end:.{of_range}f}" for end in (known.min(), known.max())) if known.size else ""
-    return f"{np.median(known):.{digits}f} ({ends})" if known.size else ""
+    if not known.size:
+        return ""
+    return f"{np.median(known):.{digits}f} ({known.min():.{of_range}f} … {known.max():.{of_range}f})"
 
 
 def lost_by_asperities(one: xr.Dataset) -> float:

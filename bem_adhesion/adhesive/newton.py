@@ -229,10 +229,10 @@ class NewtonSolver:
         Returns its damping, whether it was raised, and the change of pressure that holds the mean.
         """
         options, raised = self.options, False
+        above = max(excess) if mean is None else excess.residual  # zero where a wall carries all points
         while True:
             reduction = options.damped_reduction if damping else options.reduction
-            above = max(excess) if mean is None else excess.residual
-            if damping == 0 and state.largest <= options.close and above > 0:  # zero where a wall carries all points
+            if damping == 0 and state.largest <= options.close and above > 0:
                 reduction = max(options.beyond_tolerance / above, options.close_reduction)
                 reduction = min(reduction, options.damped_reduction)
             total = reduction * abs(state.total) if light else np.inf

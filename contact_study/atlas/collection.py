@@ -336,10 +336,9 @@ def theory_values(trees: Sequence[xr.DataTree], label: str, name: str, back: boo
     given = [value for tree in trees if (value := of_theory(tree, label, name, back)) is not None]
     if not given:
         return None
-    both = len(given) == len(CORES)
     if name == "converged":
-        return np.minimum(*given) if both else given[0]
-    return np.clip(without_core(*given) if both else given[0], *_BOUNDS.get(name, (-np.inf, np.inf)))
+        return np.minimum(*given) if len(given) == len(CORES) else given[0]
+    return np.clip(without_core(given), *_BOUNDS.get(name, (-np.inf, np.inf)))
 
 
 def of_theory(tree: xr.DataTree, label: str, name: str, back: bool) -> np.ndarray | None:

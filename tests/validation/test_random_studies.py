@@ -17,10 +17,9 @@ from research.state_checks.drawing import drawn
 from research.state_checks.state import Point, Verdict
 
 # Random grids are coarse on purpose: the checks hold for the equations of the grid.
-pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+pytestmark = [pytest.mark.validation, pytest.mark.filterwarnings("ignore:grid too coarse")]
 
 
-@pytest.mark.validation
 @pytest.mark.parametrize("extreme", [False, True])
 @pytest.mark.parametrize("first", range(0, 40, 10))
 # What a random path asks for is not always wise: contact at the rim of free boundaries.
@@ -36,7 +35,6 @@ def test_no_state_is_wrong(first, extreme):
     assert sum(verdict.narrow for verdict in verdicts) <= 1
 
 
-@pytest.mark.validation
 @pytest.mark.parametrize("number", [0, 1, 6, 9])
 def test_faults_are_found(number):
     """A state that is stretched, sheared off its load, lifted or of another energy is not taken for one."""
@@ -72,7 +70,6 @@ def _forgets_a_jump(follow):
     return cheaper
 
 
-@pytest.mark.validation
 # Numbers of studies with a hardness, in time, in steps of their own, of an approach and of a table.
 @pytest.mark.parametrize(
     ("number", "owner", "name", "broken", "words"),
