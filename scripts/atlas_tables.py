@@ -7,6 +7,7 @@ python -m scripts.atlas_tables maps --figure docs/images/contact_atlas.png
 import argparse
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -175,23 +176,22 @@ def extrapolated(coarse: np.ndarray, own: np.ndarray, fine: np.ndarray) -> np.nd
 
 
 def cost(given: argparse.Namespace) -> None:
-    """Print processor time by grid."""
+    """Print loops and processor time of a condition, theories and other grids included, by grid."""
     data = read(given.file)
     points, seconds = data["points"].values, data["processor_time"].values
+    loops = data["mean_pressure"].notnull().any("step").sum(["surface", "preload"]).values
     rows = []
     for low, high in ((0, 100), (100, 200), (200, 300), (300, 513)):
         some = (points >= low) & (points < high)
         if some.any():
-            rows.append(
-                (
-                    f"{points[some].min()}²…{points[some].max()}²",
-                    some.sum(),
-                    f"{seconds[some].mean():.0f}",
-                    f"{seconds[some].max():.0f}",
-                )
-            )
-    rows.append(("all", points.size, f"{seconds.mean():.0f}", f"{seconds.max():.0f}"))
-    show(("grid", "conditions", "mean (s)", "largest (s)"), rows)
+            rows.append((f"{points[some].min()}²…{points[some].max()}²", *_cost(loops[some], seconds[some])))
+    rows.append(("all", *_cost(loops, seconds)))
+    show(("grid", "conditions", "loops of each", "mean (s)", "largest (s)", "a loop (s)"), rows)
+
+
+def _cost(loops: np.ndarray, seconds: np.ndarray) -> tuple[object, ...]:
+    times = f"{seconds.mean():.0f}", f"{seconds.max():.0f}", f"{seconds.sum() / loops.sum():.0f}"
+    return seconds.size, f"{loops.mean():.1f}", *times
 
 
 def maps(given: argparse.Namespace) -> None:
@@ -203,19 +203,23 @@ def picture(data: xr.Dataset) -> Figure:
     """Draw area, hysteresis, pull-off and the theories' errors over relative adhesion and Tabor number."""
     figure = Figure(figsize=(DOUBLE, 4.6), layout="constrained")
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
-    found = list(deepest(data))
-    place = np.array([(float(one["relative_adhesion"]), float(one["tabor_number"])) for one in found])
-    laws = np.array([str(one["law"].values) for one in found])
-    columns = {
-        f"area at {SHOWN:g} E*h′/2": [_area(one) for one in found],
-        r"loss of the loop / $\Delta\gamma$": [
-            float(lost_of(one).dropna("step")[-1] / one["work_of_adhesion"]) for one in found
-        ],
-        "pull-off / (E*h′/2)": [float(-one.pull_off_pressure) / stress_of(one) for one in found],
-        **{f"error of area: {NAMES[theory]}": [_mean_error(one, theory) for one in found] for theory in THEORIES},
+    surfaces: dict[int, list[xr.Dataset]] = {}
+    for one in deepest(data):
+        surfaces.setdefault(int(one["condition"]), []).append(one)
+    some = [each[0] for each in surfaces.values()]
+    place = np.array([(float(one["relative_adhesion"]), float(one["tabor_number"])) for one in some])
+    laws = np.array([str(one["law"].values) for one in some])
+    columns: dict[str, Callable[[xr.Dataset], float]] = {
+        f"area at {SHOWN:g} E*h′/2": _area,
+        r"loss of the loop / $\Delta\gamma$": lambda one: float(
+            lost_of(one).dropna("step")[-1] / one["work_of_adhesion"]
+        ),
+        "pull-off / (E*h′/2)": lambda one: float(-one["pull_off_pressure"]) / stress_of(one),
+        **{f"error of area: {NAMES[theory]}": partial(_mean_error, theory=theory) for theory in THEORIES},
     }
-    for axes, (words, given) in zip(panels.flat, columns.items(), strict=True):
-        values, signed = np.array(given), words.startswith("error")
+    for axes, (words, value) in zip(panels.flat, columns.items(), strict=True):
+        values = np.array([_mean([value(one) for one in each]) for each in surfaces.values()])
+        signed = words.startswith("error")
         largest = LARGEST_ERROR if signed else np.nanmax(values)
         colours = {"cmap": "RdBu_r" if signed else "viridis", "vmin": -largest if signed else 0.0, "vmax": largest}
         for law, (label, marker) in MARKERS.items():
@@ -247,6 +251,12 @@ def lost_of(one: xr.Dataset) -> xr.DataArray:
     return one["dissipated_energy"] + one["unaccounted_work"]
 
 
+def _mean(values: list[float]) -> float:
+    """Average what is known; NaN if nothing is."""
+    known = [value for value in values if np.isfinite(value)]
+    return float(np.mean(known)) if known else np.nan
+
+
 def _area(one: xr.Dataset) -> float:
     """Interpolate the contact area on loading at the figure's pressure."""
     way = (one["branch"] == 0).values & np.isfinite(one["mean_pressure"].values)
@@ -261,10 +271,10 @@ def _mean_error(one: xr.Dataset, theory: str) -> float:
 
 
 def deepest(data: xr.Dataset) -> Iterator[xr.Dataset]:
-    """Yield the loop to the largest preload of each condition and surface."""
-    for condition in range(data.sizes["condition"]):
-        for surface in range(data.sizes["surface"]):
-            yield data.isel(condition=condition, surface=surface, preload=-1)
+    """Yield the loop to the largest preload of each condition and surface that it has."""
+    there = data["mean_pressure"].isel(preload=-1).notnull().any("step")
+    for condition, surface in np.argwhere(there.transpose("condition", "surface").values):
+        yield data.isel(condition=condition, surface=surface, preload=-1)
 
 
 def by_number(conditions: list[Condition], numbers: list[int]) -> list[Condition]:

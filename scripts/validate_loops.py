@@ -107,6 +107,8 @@ def preloads(given: argparse.Namespace) -> None:
     data, found = read(given.file), []
     for one in deepest(data):
         small = data.sel(condition=int(one["condition"]), surface=int(one["surface"])).isel(preload=0)
+        if small["mean_pressure"].isnull().all():
+            continue
         loads, places = zip(*(_ways(each) for each in (one, small)), strict=True)
         (load, back), (_, early) = places
         shared = loads[1] / 2  # where the early way out has come off its turning point

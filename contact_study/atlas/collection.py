@@ -14,6 +14,7 @@ from contact_study.atlas.loops import (
     CORES,
     REFINEMENTS,
     file_of,
+    further_file,
     loading_states,
     own_states,
     seeds_of,
@@ -120,7 +121,7 @@ _DESIGNED = {
 
 
 def collect(conditions: Sequence[Condition], folder: Path, surfaces: int = 1) -> xr.Dataset:
-    """Join what a folder has of the conditions; those without loops of all surfaces and theories are left out.
+    """Join what a folder has of the conditions; surfaces without loops or theories are left out.
 
     Parameters
     ----------
@@ -129,7 +130,7 @@ def collect(conditions: Sequence[Condition], folder: Path, surfaces: int = 1) ->
     folder : pathlib.Path
         Where :func:`contact_study.atlas.loops.run_condition` has put its datasets.
     surfaces : int, optional
-        Number of surfaces of each condition.
+        Largest number of surfaces of each condition.
 
     Returns
     -------
@@ -141,11 +142,12 @@ def collect(conditions: Sequence[Condition], folder: Path, surfaces: int = 1) ->
     InputError
         If the folder has no finished condition.
     """
-    finished = [one for one in conditions if all(path.exists() for path in _files(one, folder, surfaces))]
-    if not finished:
+    known = {one: seeds for one in conditions if (seeds := _finished(one, folder, surfaces))}
+    if not known:
         raise InputError(f"{folder}: has no finished condition; run some first")
-    parts = [_condition(one, folder, surfaces) for one in finished]
-    found = xr.concat(parts, xr.Variable("condition", [one.number for one in finished]), join="outer")
+    finished = list(known)
+    parts = [_condition(one, folder, seeds) for one, seeds in known.items()]
+    found = _concatenated(parts, xr.Variable("condition", [one.number for one in finished]))
     found["condition"].attrs = {"units": "1", "long_name": "number of the condition in the design"}
     for name, words in _DESIGNED.items():
         found[name] = ("condition", [getattr(one, name) for one in finished], {"units": "1", "long_name": words})
@@ -186,11 +188,16 @@ def join(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
         if twice := known.intersection(numbers):
             raise InputError(f"dataset {number}: condition {min(twice)} is in another dataset; renumber it")
         known.update(numbers)
-    aligned = [one.assign_coords(step=np.arange(one.sizes["step"])) for one in datasets]
+    return sealed(_concatenated(datasets, "condition").sortby("condition"))
+
+
+def _concatenated(parts: Sequence[xr.Dataset], along: xr.Variable | str) -> xr.Dataset:
+    """Concatenate datasets whose loops may differ in length, surfaces and preloads; what one lacks is empty."""
+    aligned = [one.assign_coords(step=np.arange(one.sizes["step"])) for one in parts]
     whole_numbers = {name for one in aligned for name, variable in one.items() if variable.dtype.kind == "i"}
     empty = dict.fromkeys(whole_numbers, -1)  # as in all datasets
-    found = xr.concat(aligned, "condition", data_vars="all", join="outer", combine_attrs="override", fill_value=empty)
-    return sealed(found.drop_vars("step").sortby("condition"))
+    found = xr.concat(aligned, along, data_vars="all", join="outer", combine_attrs="override", fill_value=empty)
+    return found.drop_vars("step")
 
 
 def sealed(dataset: xr.Dataset) -> xr.Dataset:
@@ -214,28 +221,25 @@ def checksum(dataset: xr.Dataset) -> str:
     return digest.hexdigest()
 
 
-def _files(condition: Condition, folder: Path, surfaces: int) -> list[Path]:
-    theories = [theory_files(condition, folder, seed).values() for seed in seeds_of(condition, surfaces)]
-    return [file_of(folder, condition), *itertools.chain(*theories)]
+def _finished(condition: Condition, folder: Path, surfaces: int) -> list[int]:
+    """Return the seeds of the surfaces, from the first on, that have loops and theories."""
+    found = []
+    for number, seed in enumerate(seeds_of(condition, surfaces)):
+        loops = further_file(condition, folder) if number else file_of(folder, condition)
+        if not all(path.exists() for path in (loops, *theory_files(condition, folder, seed).values())):
+            break
+        found.append(seed)
+    return found
 
 
-def _condition(condition: Condition, folder: Path, surfaces: int) -> xr.Dataset:
-    with xr.open_dataset(file_of(folder, condition)) as opened:
-        loops = opened.load()
+def _condition(condition: Condition, folder: Path, seeds: Sequence[int]) -> xr.Dataset:
     parts = []
-    for seed in seeds_of(condition, surfaces):
-        preloads = np.round(loops["trigger_force"].values / (STRESS * SIZE**2), 9)
-        ways = [_loop(loops.sel(seed=seed).isel(trigger_force=place)) for place in range(preloads.size)]
-        one = xr.concat(ways, xr.Variable("preload", preloads), data_vars="all")
-        one = one.assign(
-            {name: loops[name].sel(seed=seed) if "seed" in loops[name].dims else loops[name] for name in CONSTANTS}
-        )
-        for name in CONSTANTS:  # alike for all preloads
-            if "trigger_force" in one[name].dims:
-                one[name] = one[name].isel(trigger_force=0)
-        deepest = loops.sel(seed=seed).isel(trigger_force=-1)
-        parts.append(one.merge(_theories(theory_files(condition, folder, seed), deepest)))
-    found = xr.concat(parts, xr.Variable("surface", range(1, surfaces + 1)))
+    for path, some in ((file_of(folder, condition), seeds[:1]), (further_file(condition, folder), seeds[1:])):
+        if some:
+            with xr.open_dataset(path) as opened:
+                loops = opened.load()
+            parts += [_surface(condition, folder, loops.sel(seed=seed)) for seed in some]
+    found = _concatenated(parts, xr.Variable("surface", range(1, len(seeds) + 1)))
     found = found.drop_vars([name for name in ("seed", "trigger_force") if name in found.variables])
     found["preload"].attrs = {"units": "1", "long_name": "largest pressure over half of modulus times rms slope"}
     found["surface"].attrs = {"units": "1", "long_name": "number of the surface"}
@@ -244,6 +248,16 @@ def _condition(condition: Condition, folder: Path, surfaces: int) -> xr.Dataset:
         (), sum(times), {"units": "s", "long_name": "processor time of the condition"}
     )
     return found.merge(_grids(condition, folder))
+
+
+def _surface(condition: Condition, folder: Path, loops: xr.Dataset) -> xr.Dataset:
+    """Return the loops of one surface, its constants and its theories."""
+    preloads = np.round(loops["trigger_force"].values / (STRESS * SIZE**2), 9)
+    ways = [_loop(loops.isel(trigger_force=place)) for place in range(preloads.size)]
+    found = xr.concat(ways, xr.Variable("preload", preloads), data_vars="all")
+    for name in CONSTANTS:  # alike for all preloads
+        found[name] = loops[name].isel(trigger_force=0) if "trigger_force" in loops[name].dims else loops[name]
+    return found.merge(_theories(theory_files(condition, folder, int(loops["seed"])), loops.isel(trigger_force=-1)))
 
 
 def _loop(loop: xr.Dataset) -> xr.Dataset:

@@ -153,6 +153,9 @@ def run_condition(
 ) -> None:
     """Run what a folder lacks of a condition: its loops, those on other grids, and its theories.
 
+    The first surface has loops to all preloads, further ones to the largest: on the way in that holds the others, and
+    pull-off hardly depends on the preload.
+
     Parameters
     ----------
     condition : Condition
@@ -170,13 +173,22 @@ def run_condition(
     """
     folder.mkdir(parents=True, exist_ok=True)
     seeds = seeds_of(condition, surfaces)
-    loops = _run(study_of(condition, seeds, preloads=preloads), "continuum", file_of(folder, condition), workers)
+    parts = [(file_of(folder, condition), seeds[:1], preloads)]
+    if surfaces > 1:
+        parts.append((further_file(condition, folder), seeds[1:], preloads[-1:]))
+    loops = [_run(study_of(condition, some, preloads=to), "continuum", path, workers) for path, some, to in parts]
     for factor in refinements:
         study = study_of(condition, seeds[:1], factor, preloads[-1:])
         _run(study, "continuum", file_of(folder, condition, f"grid{factor:g}"), workers)
-    for seed in seeds:
-        pressures = theory_pressures(loops.sel(seed=seed).isel(trigger_force=-1))
-        run_theories(condition, folder, seed, pressures.tolist())
+    for found in loops:
+        for seed in found["seed"].values.tolist():
+            pressures = theory_pressures(found.sel(seed=seed).isel(trigger_force=-1))
+            run_theories(condition, folder, seed, pressures.tolist())
+
+
+def further_file(condition: Condition, folder: Path) -> Path:
+    """Return the file of the loops of a condition's surfaces after the first."""
+    return file_of(folder, condition, "further")
 
 
 def run_theories(condition: Condition, folder: Path, seed: int, pressures: Sequence[float]) -> list[Path]:
@@ -199,15 +211,20 @@ def run_under_pressures(
 
 def _run(study: dict[str, Any], model: str, output: Path, workers: int) -> xr.Dataset:
     """Run a study, or read what is there; the processor time of its runs goes beside it."""
-    finished, began = output.exists(), _processor_time()
+    before, began = _changed(output), _processor_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of states that did not converge: the dataset has flags
         found = run(study, model, output=output, resume=True, workers=workers)
     beside = output.with_suffix(".json")
-    before = json.loads(beside.read_text())["processor_time"] if beside.exists() else 0.0
-    used = 0.0 if finished else _processor_time() - began
-    beside.write_text(json.dumps({"processor_time": before + used}))
+    if _changed(output) != before or not beside.exists():
+        known = json.loads(beside.read_text())["processor_time"] if beside.exists() else 0.0
+        beside.write_text(json.dumps({"processor_time": known + _processor_time() - began}))
     return found
+
+
+def _changed(path: Path) -> int:
+    """Return when a file was changed (ns), 0 if there is none."""
+    return path.stat().st_mtime_ns if path.exists() else 0
 
 
 def _processor_time() -> float:

@@ -26,13 +26,13 @@ CONDITION = Condition(7, 0.8, 4.0, 0.3, 0.2, "exponential", "half_space")
 def folder(tmp_path_factory):
     found = tmp_path_factory.mktemp("atlas")
     assert CONDITION.points == 32
-    run_condition(CONDITION, found, preloads=PRELOADS)
+    run_condition(CONDITION, found, 2, preloads=PRELOADS)
     return found
 
 
 @pytest.fixture(scope="module")
 def dataset(folder):
-    return collect([CONDITION], folder)
+    return collect([CONDITION], folder, 2)
 
 
 @pytest.mark.validation
@@ -102,9 +102,42 @@ def test_theories_are_at_the_pressures_of_loading(folder, dataset):
 
 @pytest.mark.validation
 def test_a_finished_condition_is_not_run_again(folder, monkeypatch):
-    before = {path: path.stat().st_mtime_ns for path in folder.glob("*.nc")}
-    run_condition(CONDITION, folder, preloads=PRELOADS)
-    assert {path: path.stat().st_mtime_ns for path in folder.glob("*.nc")} == before
+    before = {path: path.stat().st_mtime_ns for path in folder.glob("*.*")}
+    assert {".nc", ".json"} <= {path.suffix for path in before}
+    run_condition(CONDITION, folder, 2, preloads=PRELOADS)
+    assert {path: path.stat().st_mtime_ns for path in folder.glob("*.*")} == before
+
+
+@pytest.mark.validation
+def test_further_surfaces_have_the_loop_to_the_largest_preload(folder, dataset, tmp_path):
+    one = dataset.isel(condition=0)
+    assert one.mean_pressure.notnull().any("step").values.tolist() == [[True, True], [False, True]]
+    assert (one.converged.isel(surface=1, preload=0) == -1).all()
+    loop = one.isel(surface=1, preload=-1).dropna("step", subset=["mean_pressure"])
+    with xr.open_dataset(loops.further_file(CONDITION, folder)) as opened:
+        own = opened.sel(seed=702).isel(trigger_force=0).load()
+    np.testing.assert_allclose(loop.mean_pressure, own.mean_pressure[loops.own_states(own)].dropna("step"), rtol=1e-6)
+    assert loop.theory_mean_gap.notnull().any("step").all()
+    assert len(list(atlas_tables.deepest(dataset))) == 2
+    # Without all of its theories a surface is left out.
+    lost = list(loops.theory_files(CONDITION, folder, 702).values())[-1]
+    for path in folder.glob("*.*"):
+        if path.is_file() and path != lost:
+            shutil.copy(path, tmp_path)
+    assert collect([CONDITION], tmp_path, 2).mean_gap.identical(dataset.mean_gap.sel(surface=[1]))
+
+
+@pytest.mark.validation
+def test_a_condition_widens_by_a_surface_and_its_processor_time(folder, dataset, tmp_path):
+    for path in folder.glob("*.*"):
+        if path.is_file():
+            shutil.copy(path, tmp_path)
+    run_condition(CONDITION, tmp_path, 3, preloads=PRELOADS)
+    wide = collect([CONDITION], tmp_path, 3)
+    before = wide.mean_gap.sel(surface=[1, 2]).isel(step=slice(dataset.sizes["step"]))
+    assert before.identical(dataset.mean_gap)
+    assert wide.mean_gap.sel(surface=3, preload=PRELOADS[-1]).notnull().any()
+    assert wide.processor_time.item() > dataset.processor_time.item()
 
 
 @pytest.mark.validation
