@@ -30,6 +30,13 @@ SHOWN = 0.2  # pressure of the figure's area
 MARKERS = {"lennard_jones_10_4": ("10-4 law", "o"), "exponential": ("exponential", "s"), "dugdale": ("Dugdale", "^")}
 NAMES = {"persson": "Persson", "gap_flow": "gap flow", "edge_flow": "edge flow"}
 
+GROUPS: dict[str, Callable[[xr.Dataset], bool]] = {  # of conditions
+    "all": lambda one: True,
+    "half-spaces, θ < 0.3": lambda one: solid_of(one) == "half_space" and float(one["relative_adhesion"]) < 0.3,
+    "half-spaces, θ ≥ 0.3": lambda one: solid_of(one) == "half_space" and float(one["relative_adhesion"]) >= 0.3,
+    "layers": lambda one: solid_of(one) == "layer",
+}
+
 
 def run(given: argparse.Namespace) -> None:
     ACTIONS[given.action](given)
@@ -69,15 +76,9 @@ def numbers(given: argparse.Namespace) -> None:
 def areas(given: argparse.Namespace) -> None:
     """Print the errors of the theories' contact area and mean gap against loading, by adhesion."""
     data = read(given.file)
-    groups: dict[str, Callable[[xr.Dataset], bool]] = {
-        "all": lambda one: True,
-        "half-spaces, θ < 0.3": lambda one: solid_of(one) == "half_space" and one["relative_adhesion"] < 0.3,
-        "half-spaces, θ ≥ 0.3": lambda one: solid_of(one) == "half_space" and one["relative_adhesion"] >= 0.3,
-        "layers": lambda one: solid_of(one) == "layer",
-    }
     rows = []
     for theory in THEORIES:
-        for words, holds in groups.items():
+        for words, holds in GROUPS.items():
             rows += _errors([one for one in deepest(data) if holds(one)], theory, words)
     show(
         (

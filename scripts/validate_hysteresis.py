@@ -6,6 +6,7 @@ judge it.
 python -m scripts.validate_hysteresis fit          # errors of the chosen half by k
 python -m scripts.validate_hysteresis branches     # errors of all theories on the other half
 python -m scripts.validate_hysteresis surfaces data/contact_atlas_surfaces.nc       # means of four surfaces
+python -m scripts.validate_hysteresis means data/contact_atlas.nc                   # the whole design, by group
 python -m scripts.validate_hysteresis distributions data/contact_atlas_surfaces.nc  # of local gap and pressure
 python -m scripts.validate_hysteresis branches --figure docs/images/edge_flow_branches.png
 """
@@ -30,6 +31,7 @@ from contact_study.study.study import make_study
 from scripts.atlas_tables import (
     AREA,
     DATA,
+    GROUPS,
     HEAVIEST,
     LIGHTEST,
     MARKERS,
@@ -58,6 +60,8 @@ EVENTS = (  # of a loop, the theory's, and its branch; on loading its work of se
     ("work_of_separation", "work_of_separation", "unloading"),
 )
 WORKS = "work of approach", "work of separation"
+
+OfSurfaces = tuple[list[np.ndarray], list[tuple[float, float]]]  # errors of areas by way; ratios with their error
 
 
 @dataclass(frozen=True)
@@ -184,30 +188,40 @@ def surfaces(data: xr.Dataset) -> None:
     loops = [data.isel(condition=place, preload=-1) for place in range(data.sizes["condition"])]
     chose = choosing_half()
     judging = [int(one["condition"]) not in chose for one in loops]
-    columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach", "pull-off"
     results = {theory: [of_surfaces(one, theory) for one in loops] for theory in THEORIES}
     rows = []
     for one, judge, (areas, events) in zip(loops, judging, results["edge_flow"], strict=True):
         head = int(one["condition"]), MARKERS[str(one["law"].values)][0], f"{float(one['relative_adhesion']):.2f}"
         ratios = (f"{ratio:.2f} ± {error:.2f}" for ratio, error in events)
         rows.append((*head, "judges" if judge else "", *(_areas([each]) for each in areas), *ratios))
+    columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach", "pull-off"
     show(("condition", "law", "θ", "half", *columns, *WORKS), rows)
     print()
-    rows = []
     strong = [judge and _strong(one) for one, judge in zip(loops, judging, strict=True)]
-    for words, some in {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong}.items():
+    _compare(results, {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong})
+
+
+def means(data: xr.Dataset) -> None:
+    """Print errors of all theories against means of surfaces of the conditions that have all of them, by group."""
+    there = data["mean_pressure"].isel(preload=-1).notnull().any("step").all("surface")
+    loops = [data.isel(condition=place, preload=-1) for place in np.flatnonzero(there)]
+    results = {theory: [of_surfaces(one, theory) for one in loops] for theory in THEORIES}
+    _compare(results, {words: [holds(one) for one in loops] for words, holds in GROUPS.items()})
+
+
+def _compare(results: dict[str, list[OfSurfaces]], groups: dict[str, list[bool]]) -> None:
+    """Print mean and worst errors of the theories' areas, tensions and works by group of conditions."""
+    rows = []
+    for words, some in groups.items():
         for theory in THEORIES:
             found = [each for each, holds in zip(results[theory], some, strict=True) if holds]
             areas = [_areas([each[0][way] for each in found]) for way in range(len(WAYS))]
-            sizes = np.abs(np.array([each[1] for each in found])[..., 0] - 1).T
-            events = (
-                f"{100 * one.mean():.0f}/{100 * one.max():.0f} %" if np.isfinite(one).all() else "" for one in sizes
-            )
+            errors = np.abs(np.array([each[1] for each in found])[..., 0] - 1).T
+            sizes = [one[np.isfinite(one)] for one in errors]
+            events = (f"{100 * one.mean():.0f}/{100 * one.max():.0f} %" if one.size else "" for one in sizes)
             rows.append((NAMES[theory], words, len(found), *areas, *events))
-    show(
-        ("theory", "conditions", "number", *columns[:2], "tension on approach: mean size, worst", columns[3], *WORKS),
-        rows,
-    )
+    columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach: mean size, worst"
+    show(("theory", "conditions", "number", *columns, "pull-off", *WORKS), rows)
 
 
 def choosing_half() -> set[int]:
@@ -215,7 +229,7 @@ def choosing_half() -> set[int]:
     return set(read(JUMPING_DATA)["condition"].values[::2].tolist())
 
 
-def of_surfaces(loops: xr.Dataset, theory: str) -> tuple[list[np.ndarray], list[tuple[float, float]]]:
+def of_surfaces(loops: xr.Dataset, theory: str) -> OfSurfaces:
     """Return relative errors of mean areas on both ways, and ratios of tensions and works with their standard error."""
     ones = [loops.sel(theory=theory).isel(surface=place) for place in range(loops.sizes["surface"])]
     areas = []
@@ -329,6 +343,7 @@ ACTIONS = {
     "fit": fit,
     "branches": branches,
     "surfaces": surfaces,
+    "means": means,
     "distributions": distributions,
 }
 

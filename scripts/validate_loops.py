@@ -10,11 +10,12 @@ python -m scripts.validate_loops reloading     # the way from a turning point on
 import argparse
 import itertools
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import minimize_scalar
 
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, STRESS, Condition, design
 from contact_study.atlas.loops import file_of, run_under_pressures, seeds_of
@@ -22,7 +23,7 @@ from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
 from scripts.atlas_tables import AREA, LIGHTEST, MARKERS, by_number, deepest, lost_of, read, stress_of
 from scripts.harness import Option, minus, program, show
-from scripts.validate_hysteresis import JUMPING_DATA, LEAST
+from scripts.validate_hysteresis import JUMPING_DATA, LEAST, choosing_half
 from theory.edge_flow.apparent_adhesion import adhesion_ratio
 
 ONSETS = 0.0, 1.1, 1.3, 1.5, 1.8, 2.3, 9.0  # bins of x
@@ -31,7 +32,21 @@ TURN, LOWEST, STEPS = 0.4, 0.04, 7  # turning points over E* h'/2, and states of
 SHOWN = 1, 2, 3  # states after the turning point
 LEAST_X = 1.2  # from which a loss over x² − 1 has a meaning
 FIRST_JUMPS = {"dugdale": 0.55}  # λ₁ where it is not the law's: first jumps of a sharp end, from ``scripts.jump_onset``
+SUMMITS = 1.66  # mean √(κ₁κ₂) of summits of a Gaussian surface over rms(∇²h)/2
 OPEN = 0.004  # area between the branches where a share of it has a meaning
+
+
+def of_summits(x: np.ndarray) -> np.ndarray:
+    """Return x² − 1 of the mean summit from x of the mean asperity, 0 below one."""
+    return np.maximum(x**2 / SUMMITS ** (2 / 3) - 1, 0)
+
+
+FORMS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {  # of Γ − 1 over k, by x and θ
+    "x² − 1": lambda x, adhesion: x**2 - 1,
+    "x_s² − 1": lambda x, adhesion: of_summits(x),
+    "(x² − 1) min(1, 1/θ)": lambda x, adhesion: (x**2 - 1) * np.minimum(1, 1 / adhesion),
+    "(x_s² − 1) min(1, 1/θ)": lambda x, adhesion: of_summits(x) * np.minimum(1, 1 / adhesion),
+}
 
 
 def run(given: argparse.Namespace) -> None:
@@ -41,15 +56,16 @@ def run(given: argparse.Namespace) -> None:
 def losses(given: argparse.Namespace) -> None:
     """Print Γ_D = 1 + D/(Δγ ΔA) by x, beside Γ; D is lost from the lightest pressure to the preload and back.
 
-    A second table has k by law: of the loss, in place of the area.
+    A second table has k by law: of the loss, in place of the area. A third has forms of Γ − 1 over k, with k of the
+    half of the conditions that chooses.
     """
     found = [
-        (*pair, lost_by_asperities(one), str(one["law"].values))
-        for one in deepest(read(given.file))
-        if (pair := measured_ratio(one))
+        (*pair, lost_by_asperities(one), one) for one in deepest(read(given.file)) if (pair := measured_ratio(one))
     ]
     number, ratio, asperities = np.array([each[:-1] for each in found]).T
-    law, share = np.array([each[-1] for each in found]), (ratio - 1) / asperities
+    law, share = np.array([str(each[-1]["law"].values) for each in found]), (ratio - 1) / asperities
+    adhesion = np.array([float(each[-1]["relative_adhesion"]) for each in found])
+    chooses = np.array([int(each[-1]["condition"]) in choosing_half() for each in found])
     rows = []
     for _, some in _binned(number):
         words = f"{number[some].min():.2f} … {number[some].max():.2f}"
@@ -65,6 +81,21 @@ def losses(given: argparse.Namespace) -> None:
         growth = (ratio[some] - 1) / (own[some] ** 2 - 1)
         rows.append((MARKERS[name][0], f"{onset:g}", some.sum(), _median_and_range(growth, 3, 3)))
     show(("law", "λ₁", "loops", "(Γ_D − 1)/(x² − 1): median (range)"), rows)
+    print()
+    rows = []
+    for onset, (words, form) in itertools.product((LAWS["dugdale"].jump_onset, FIRST_JUMPS["dugdale"]), FORMS.items()):
+        shape = form(np.where(law == "dugdale", number * LAWS["dugdale"].jump_onset / onset, number), adhesion)
+        growth = _fitted(shape[chooses], ratio[chooses] - 1)
+        errors = np.abs(1 + growth * shape - ratio)
+        means = (f"{errors[some].mean():.3f}" for some in (chooses, ~chooses))
+        rows.append((words, f"{onset:g}", f"{growth:.3f}", *means))
+    columns = "mean size of Γ − Γ_D, half that chooses", "half that judges"
+    show(("(Γ − 1)/k", "λ₁ of Dugdale's law", "k", *columns), rows)
+
+
+def _fitted(shape: np.ndarray, excess: np.ndarray) -> float:
+    """Return the factor of a shape with the least mean size of errors."""
+    return float(minimize_scalar(lambda k: np.abs(k * shape - excess).mean(), bounds=(0, 1), method="bounded").x)
 
 
 def _binned(number: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:

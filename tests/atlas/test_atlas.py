@@ -6,6 +6,7 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import dblquad
 
 from contact_study.atlas import collection, loops
 from contact_study.atlas.collection import collect, join
@@ -258,6 +259,28 @@ def test_a_summit_loses_the_steps_of_jkrs_energy():
     length = np.cbrt(0.05 * 1e-7**2 / 1e9)
     density = 3 / 8 * (2e7) ** 2 / (0.1**2 / 2) / (6 * np.sqrt(3) * np.pi)
     assert validate_loops.lost_by_asperities(one) == pytest.approx(density * length**2 * lost, rel=3e-3)  # of the grids
+
+
+def test_the_curvature_of_summits_is_that_of_a_gaussian_surface():
+    """Trace t and difference of principal curvatures s of a Gaussian Hessian, weighted by the density of its maxima."""
+    variance, of_difference = 8 / 3, 4 / 3  # of t and of both components of s, over m₄ of a profile
+
+    def mean(power):
+        def weight(s, t):
+            return ((t * t - s * s) / 4) ** (1 + power) * s * np.exp(-t * t / 2 / variance - s * s / 2 / of_difference)
+
+        return dblquad(weight, 0, 20, 0, lambda t: t)[0]
+
+    ratio = mean(0.5) / mean(0) / (0.5 * np.sqrt(variance))
+    assert ratio == pytest.approx(validate_loops.SUMMITS, abs=0.005)  # of its digits
+    onset = validate_loops.SUMMITS ** (1 / 3)  # λ is as the cube root of the radius
+    np.testing.assert_allclose(
+        validate_loops.of_summits(np.array([1.0, onset, np.sqrt(2) * onset])), [0, 0, 1], atol=1e-9
+    )
+
+
+def test_the_fitted_factor_is_the_one_of_the_median_error():
+    assert validate_loops._fitted(np.ones(3), np.array([0.1, 0.2, 0.9])) == pytest.approx(0.2, abs=1e-4)
 
 
 def test_moments_of_two_values():
