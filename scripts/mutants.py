@@ -75,7 +75,9 @@ TESTS = {
 }
 # Modules with a kernel that is compiled into kernels of other files.
 CALLED_ELSEWHERE = ("md_reference/block/verlet.py", "theory/numerics/tridiagonal.py")
-TEST = f"{sys.executable} -m pytest -x -q -p no:xdist -p no:cacheprovider --no-header --tb=no"
+# The options of the project leave out longer tests.
+TEST = f"{sys.executable} -m pytest -o addopts=--import-mode=importlib -x -q -p no:xdist -p no:cacheprovider"
+TEST += " --no-header --tb=no"
 # Left out: changes that end in an error wherever the line is reached (// and shifts of floats), twins of others (+x for
 # −x without its sign), decorators, and annotations' unions.
 OPERATORS_LEFT_OUT = (
