@@ -306,8 +306,11 @@ def test_tables_of_a_dataset(dataset, tmp_path, capsys):
     assert contact_atlas.main(["validate", str(path)]) == 0
     for action in ("areas", "cost", "design"):
         assert atlas_tables.main([action, str(path)]) == 0
+    assert validate_hysteresis.main(["means", str(path)]) == 0
     out = capsys.readouterr().out
     assert "edge flow" in out
+    assert "| edge flow | all | 1 | " in out
+    assert "| edge flow | layers | " not in out
     assert "| whole | 250 |" in out
     assert "in atlas.nc" not in out  # its condition is none of the design
     assert atlas_tables.main(["grids", str(path)]) == 1
