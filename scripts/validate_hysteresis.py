@@ -207,7 +207,9 @@ def means(data: xr.Dataset) -> None:
     there &= ~data["condition"].isin(list(choosing_half()))
     loops = [data.isel(condition=place, preload=-1) for place in np.flatnonzero(there)]
     results = {theory: [of_surfaces(one, theory) for one in loops] for theory in THEORIES}
-    _compare(results, {words: [holds(one) for one in loops] for words, holds in GROUPS.items()})
+    groups = {words: [GROUPS[words](one) for one in loops] for words in ("all", "half-spaces, θ ≥ 0.3")}
+    laws = {words: [str(one["law"].values) == law for one in loops] for law, (words, _) in MARKERS.items()}
+    _compare(results, groups | laws)
 
 
 def _compare(results: dict[str, list[OfSurfaces]], groups: dict[str, list[bool]]) -> None:

@@ -310,7 +310,8 @@ def test_tables_of_a_dataset(dataset, tmp_path, capsys):
     out = capsys.readouterr().out
     assert "edge flow" in out
     assert "| edge flow | all | 1 | " in out
-    assert "| edge flow | layers | " not in out
+    assert "| edge flow | exponential | 1 | " in out
+    assert "| edge flow | Dugdale | " not in out
     assert "| whole | 250 |" in out
     assert "in atlas.nc" not in out  # its condition is none of the design
     assert atlas_tables.main(["grids", str(path)]) == 1
