@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from contact_study.atlas.collection import THEORIES, WAYS
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, Condition, design
-from contact_study.atlas.loops import CORES, seeds_of, theory_study_of, without_core
+from contact_study.atlas.loops import AREA_POWER, CORES, seeds_of, theory_study_of, without_core
 from contact_study.numerics.distributions import moments
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.plots.style import DOUBLE, styled
@@ -172,7 +172,7 @@ def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarr
             states = [flow.at_pressure(float(pressure)) for pressure in pressures]
             by_ratio.append([each.fraction_below(case.contact_distance) for each in states])
         by_core.append(np.array(by_ratio))
-    return without_core(by_core)
+    return without_core(by_core, AREA_POWER)
 
 
 def theory_input(

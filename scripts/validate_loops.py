@@ -65,7 +65,8 @@ def losses(given: argparse.Namespace) -> None:
     number, ratio, asperities = np.array([each[:-1] for each in found]).T
     law, share = np.array([str(each[-1]["law"].values) for each in found]), (ratio - 1) / asperities
     adhesion = np.array([float(each[-1]["relative_adhesion"]) for each in found])
-    chooses = np.array([int(each[-1]["condition"]) in choosing_half() for each in found])
+    chose = choosing_half()
+    chooses = np.array([int(each[-1]["condition"]) in chose for each in found])
     rows = []
     for _, some in _binned(number):
         words = f"{number[some].min():.2f} … {number[some].max():.2f}"

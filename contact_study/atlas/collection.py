@@ -11,6 +11,7 @@ import xarray as xr
 
 from contact_study.atlas.design import SIZE, STRESS, Condition
 from contact_study.atlas.loops import (
+    AREA_POWER,
     CORES,
     REFINEMENTS,
     file_of,
@@ -314,8 +315,8 @@ def _coarse(density: xr.DataArray, what: str, edges: np.ndarray) -> dict[str, xr
 def _theories(files: Mapping[float, Path], loop: xr.Dataset) -> xr.Dataset:
     """States of the theories at those of the deepest loop, events, and the criteria.
 
-    On the way out the flows give their unloading branch. Area and gap by flows of a law with a wall are extrapolated
-    linearly from two laws with a core to one without.
+    On the way out the flows give their unloading branch. Results of flows for a law with a wall are extrapolated from
+    two laws with a core to one without.
     """
     trees = [xr.load_datatree(path) for path in files.values()]
     own = trees[0].to_dataset()
@@ -352,7 +353,8 @@ def theory_values(trees: Sequence[xr.DataTree], label: str, name: str, back: boo
         return None
     if name == "converged":
         return np.minimum(*given) if len(given) == len(CORES) else given[0]
-    return np.clip(without_core(given), *_BOUNDS.get(name, (-np.inf, np.inf)))
+    power = AREA_POWER if name == "relative_contact_area" else 1.0
+    return np.clip(without_core(given, power), *_BOUNDS.get(name, (-np.inf, np.inf)))
 
 
 def of_theory(tree: xr.DataTree, label: str, name: str, back: bool) -> np.ndarray | None:

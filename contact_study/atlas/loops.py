@@ -19,10 +19,10 @@ from contact_study.campaign.library import run
 
 PRELOADS = (0.1, 0.4, 2.0)  # over the stress E* h'/2
 REFINEMENTS = (0.5, 2.0)  # of the grid, to extrapolate its error
-CORES = (
-    0.02,
-    0.04,
-)  # decay lengths over the range; linearly from both the flows reach the wall, within 2 % of the area
+CORES = 0.02, 0.04  # decay lengths over the range, from which the flows are extrapolated to the wall
+# At the edge of a contact with a wall the gap rises with the power 3/2 of the distance. So the area of small gaps, such
+# as count as contact with a core, falls with the power 2/3 of the decay length.
+AREA_POWER = 2 / 3
 # Approaches over the rms height: contact begins near zero and is full near four.
 _APPROACHES = (0.0, 0.5, *np.arange(1.0, 4.1, 0.25).tolist(), 6.0)
 _APART = 2.0, 3.0  # rms heights and lengths of the law between start and first touch
@@ -102,11 +102,11 @@ def theory_files(condition: Condition, folder: Path, seed: int) -> dict[float, P
     return {core: file_of(folder, condition, f"theory{seed}{f'core{core:g}' * bool(core)}") for core in cores}
 
 
-def without_core(results: Sequence[np.ndarray]) -> np.ndarray:
-    """Extrapolate linearly from what the laws of both :data:`CORES` give to a wall; else the first result stands."""
+def without_core(results: Sequence[np.ndarray], power: float = 1.0) -> np.ndarray:
+    """Extrapolate what both :data:`CORES` give to a wall, by a power of the core; else the first result stands."""
     if len(results) != len(CORES):
         return results[0]
-    (near, far), (least, most) = results, CORES
+    (near, far), (least, most) = results, np.power(CORES, power)
     return near + (near - far) * least / (most - least)
 
 
