@@ -15,8 +15,8 @@ from contact_study.atlas.loops import (
     CORES,
     REFINEMENTS,
     file_of,
-    further_file,
     loading_states,
+    loop_files,
     own_states,
     seeds_of,
     theory_files,
@@ -224,22 +224,17 @@ def checksum(dataset: xr.Dataset) -> str:
 
 def _finished(condition: Condition, folder: Path, surfaces: int) -> list[int]:
     """Return the seeds of the surfaces, from the first on, that have loops and theories."""
-    found = []
-    for number, seed in enumerate(seeds_of(condition, surfaces)):
-        loops = further_file(condition, folder) if number else file_of(folder, condition)
-        if not all(path.exists() for path in (loops, *theory_files(condition, folder, seed).values())):
-            break
-        found.append(seed)
-    return found
+    files = loop_files(condition, folder, seeds_of(condition, surfaces))
+    by_seed = {seed: (path, *theory_files(condition, folder, seed).values()) for path in files for seed in files[path]}
+    return list(itertools.takewhile(lambda seed: all(path.exists() for path in by_seed[seed]), by_seed))
 
 
 def _condition(condition: Condition, folder: Path, seeds: Sequence[int]) -> xr.Dataset:
     parts = []
-    for path, some in ((file_of(folder, condition), seeds[:1]), (further_file(condition, folder), seeds[1:])):
-        if some:
-            with xr.open_dataset(path) as opened:
-                loops = opened.load()
-            parts += [_surface(condition, folder, loops.sel(seed=seed)) for seed in some]
+    for path, some in loop_files(condition, folder, seeds).items():
+        with xr.open_dataset(path) as opened:
+            loops = opened.load()
+        parts += [_surface(condition, folder, loops.sel(seed=seed)) for seed in some]
     found = _concatenated(parts, xr.Variable("surface", range(1, len(seeds) + 1)))
     found = found.drop_vars([name for name in ("seed", "trigger_force") if name in found.variables])
     found["preload"].attrs = {"units": "1", "long_name": "largest pressure over half of modulus times rms slope"}

@@ -173,10 +173,10 @@ def run_condition(
     """
     folder.mkdir(parents=True, exist_ok=True)
     seeds = seeds_of(condition, surfaces)
-    parts = [(file_of(folder, condition), seeds[:1], preloads)]
-    if surfaces > 1:
-        parts.append((further_file(condition, folder), seeds[1:], preloads[-1:]))
-    loops = [_run(study_of(condition, some, preloads=to), "continuum", path, workers) for path, some, to in parts]
+    loops = []
+    for path, some in loop_files(condition, folder, seeds).items():
+        to = preloads if some == seeds[:1] else preloads[-1:]
+        loops.append(_run(study_of(condition, some, preloads=to), "continuum", path, workers))
     for factor in refinements:
         study = study_of(condition, seeds[:1], factor, preloads[-1:])
         _run(study, "continuum", file_of(folder, condition, f"grid{factor:g}"), workers)
@@ -186,9 +186,10 @@ def run_condition(
             run_theories(condition, folder, seed, pressures.tolist())
 
 
-def further_file(condition: Condition, folder: Path) -> Path:
-    """Return the file of the loops of a condition's surfaces after the first."""
-    return file_of(folder, condition, "further")
+def loop_files(condition: Condition, folder: Path, seeds: Sequence[int]) -> dict[Path, list[int]]:
+    """Return the seeds whose loops are in each file: the first surface, with all preloads, has its own."""
+    files = {file_of(folder, condition): seeds[:1], file_of(folder, condition, "further"): seeds[1:]}
+    return {path: list(some) for path, some in files.items() if some}
 
 
 def run_theories(condition: Condition, folder: Path, seed: int, pressures: Sequence[float]) -> list[Path]:
