@@ -24,7 +24,7 @@ KERNEL = (0.25, 0.0, 4.0)
 class EdgeFlowOptions:
     """Numerical choices of the edge flow; the defaults serve all surfaces and laws that were tried."""
 
-    least: float = 1e-3  # bounds of the response f
+    least: float = 1e-6  # bounds of the response f; a short core holds a gap to far less than a wave
     largest: float = 20.0
     sharp_scales: int = 6  # coarse ones, of a sharp distribution, taken by the implicit Euler method
     unseen_area: float = 1e-9  # area per scale below which the change of a node does not count
