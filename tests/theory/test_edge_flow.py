@@ -116,7 +116,8 @@ def test_four_decades_of_roughness_have_states():
     energy = float(spectrum.full_contact_energy(HalfSpace(1e11).stiffness))
     flow = edge_flow(spectrum, 1e11, LennardJones104(0.25 * energy, 3e-9), 1e9)
     assert flow.converged
-    assert flow.at_pressure(1e9).fraction_below(1.12 * flow.length) == pytest.approx(0.8795, rel=2e-3)  # 1.3e-3 more here
+    # 1.3e-3 more here.
+    assert flow.at_pressure(1e9).fraction_below(1.12 * flow.length) == pytest.approx(0.8795, rel=2e-3)
 
 
 def test_a_shorter_core_holds_the_same_contact():
