@@ -33,7 +33,8 @@ TABLE = DATA.with_name("areas_of_atlas.csv")
 
 def rows(given: argparse.Namespace) -> Iterator[dict[str, Any]]:
     chose = choosing_half()
-    for one in by_number(design(JUMPING, least_jump=LEAST_JUMP)[0], given.numbers):
+    known = design()[0] + design(JUMPING, least_jump=LEAST_JUMP)[0]
+    for one in by_number(known, given.numbers):
         count = given.surfaces or MANY.get(one.number, SURFACES)
         areas = _areas(one, seeds_of(one, count), Path(given.folder), given.workers)
         same = {"condition": one.number, "law": one.law, "relative_adhesion": one.relative_adhesion}

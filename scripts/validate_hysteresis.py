@@ -7,12 +7,14 @@ python -m scripts.validate_hysteresis fit          # errors of the chosen half b
 python -m scripts.validate_hysteresis branches     # errors of all theories on the other half
 python -m scripts.validate_hysteresis surfaces data/contact_atlas_surfaces.nc       # means of four surfaces
 python -m scripts.validate_hysteresis means data/contact_atlas.nc                   # the whole design, by group
+python -m scripts.validate_hysteresis loads data/contact_atlas.nc                   # the whole design, by load
 python -m scripts.validate_hysteresis distributions data/contact_atlas_surfaces.nc  # of local gap and pressure
 python -m scripts.validate_hysteresis branches --figure docs/images/edge_flow_branches.png
 """
 
 import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,6 +54,7 @@ GROWTHS = 0.0, 0.04, 0.06, GROWTH, 0.1, 0.12, 0.16
 RATIOS = 1.0, 1.1, 1.25, 1.5, 1.9  # of the work of adhesion, between which areas are interpolated
 LEAST, LARGEST = 0.02, 0.98  # areas that are compared
 SHOWN_STATES = 3  # compared states on unloading of a condition in the figure
+FAR_OFF = 0.1  # error of an area whose states are counted
 STRONG = 0.5  # θ from which a surface of this size holds together by many asperities
 PRESSURES = np.geomspace(LIGHTEST, HEAVIEST, 12)  # at which means of surfaces are compared, over E* h'/2
 EVENTS = (  # of a loop, the theory's, and its branch; on loading its work of separation is that of the approach
@@ -203,20 +206,47 @@ def surfaces(data: xr.Dataset) -> None:
 
 def means(data: xr.Dataset) -> None:
     """Print errors of all theories against means of surfaces by group, of conditions that have all and chose no k."""
-    there = data["mean_pressure"].isel(preload=-1).notnull().any("step").all("surface")
-    there &= ~data["condition"].isin(list(choosing_half()))
-    loops = [data.isel(condition=place, preload=-1) for place in np.flatnonzero(there)]
+    loops = _blind(data)
     results = {theory: [of_surfaces(one, theory) for one in loops] for theory in THEORIES}
     groups = {words: [GROUPS[words](one) for one in loops] for words in ("all", "half-spaces, θ ≥ 0.3")}
     laws = {words: [str(one["law"].values) == law for one in loops] for law, (words, _) in MARKERS.items()}
-    _compare(results, groups | laws)
+    _compare(results, groups, laws)
 
 
-def _compare(results: dict[str, list[OfSurfaces]], groups: dict[str, list[bool]]) -> None:
-    """Print mean and worst errors of the theories' areas, tensions and works by group of conditions."""
+def _blind(data: xr.Dataset) -> list[xr.Dataset]:
+    """Return the deepest loops of conditions that have all surfaces and chose no number of a theory."""
+    there = data["mean_pressure"].isel(preload=-1).notnull().any("step").all("surface")
+    there &= ~data["condition"].isin(list(choosing_half()))
+    return [data.isel(condition=place, preload=-1) for place in np.flatnonzero(there)]
+
+
+def loads(data: xr.Dataset) -> None:
+    """Print errors of the edge flow's area by load, beside the standard error of the means that they are against."""
+    loops = [_of_theory(one, "edge_flow") for one in _blind(data)]
     rows = []
-    for words, some in groups.items():
-        for theory in THEORIES if any(some) else ():
+    for way, name in enumerate(WAYS):
+        found = np.array([area_errors(ones, way) for ones in loops]).reshape(len(loops), 2, -1, 2)
+        for (light, heavy), both in zip(PRESSURES.reshape(-1, 2), np.moveaxis(found, 2, 0), strict=True):
+            error, spread = np.moveaxis(both, 1, 0)[:, np.isfinite(both).all(axis=1)]
+            if not error.size:
+                continue
+            own, scatter = (float(np.mean(each**2)) for each in (error, spread))
+            sizes = (f"{100 * np.sqrt(max(each, 0)):.1f} %" for each in (own, scatter, own - scatter))
+            off = (int(np.sum(np.abs(error) - times * spread > FAR_OFF)) for times in (0, 2))
+            cells = minus(f"{100 * error.mean():+.1f} %"), *sizes, *off
+            rows.append((name, f"{light:.2g} … {heavy:.2g}", error.size, *cells))
+    beyond = f"beyond {100 * FAR_OFF:.0f} %"
+    errors = "mean error", "its size (rms)", "standard error", "size without scatter"
+    show(("branch", "p/(E*h′/2)", "states", *errors, beyond, f"{beyond} by two standard errors"), rows)
+
+
+def _compare(
+    results: dict[str, list[OfSurfaces]], groups: dict[str, list[bool]], laws: dict[str, list[bool]] | None = None
+) -> None:
+    """Print mean and worst errors of areas, tensions and works by group of conditions; by law of the edge flow only."""
+    rows = []
+    for words, some in (groups | (laws or {})).items():
+        for theory in (THEORIES if words in groups else ("edge_flow",)) if any(some) else ():
             found = [each for each, holds in zip(results[theory], some, strict=True) if holds]
             areas = [_areas([each[0][way] for each in found]) for way in range(len(WAYS))]
             errors = np.abs(np.array([each[1] for each in found])[..., 0] - 1).T
@@ -234,17 +264,27 @@ def choosing_half() -> set[int]:
 
 def of_surfaces(loops: xr.Dataset, theory: str) -> OfSurfaces:
     """Return relative errors of mean areas on both ways, and ratios of tensions and works with their standard error."""
-    ones = [loops.sel(theory=theory).isel(surface=place) for place in range(loops.sizes["surface"])]
-    areas = []
-    for way in range(len(WAYS)):
-        both = np.array([curves(one, way) for one in ones])  # shape (surfaces, 2, pressures)
-        simulated, predicted = both.mean(axis=0)
-        partial = (simulated > LEAST) & (simulated < LARGEST)
-        areas.append((predicted / simulated - 1)[partial & np.isfinite(predicted)])
+    ones = _of_theory(loops, theory)
+    errors = (area_errors(ones, way)[0] for way in range(len(WAYS)))
+    areas = [each[np.isfinite(each)] for each in errors]
     pairs = [[_approach(one) for one in ones]]
     for name, predicted, way in EVENTS:
         pairs.append([(float(one[name]), float(one[f"theory_{predicted}"].sel(way=way))) for one in ones])
     return areas, [ratio_of_means(*np.array(each).T) for each in pairs]
+
+
+def _of_theory(loops: xr.Dataset, theory: str) -> list[xr.Dataset]:
+    """Return the loops of each surface, with one theory beside them."""
+    return [loops.sel(theory=theory).isel(surface=place) for place in range(loops.sizes["surface"])]
+
+
+def area_errors(ones: Sequence[xr.Dataset], way: int) -> np.ndarray:
+    """Return relative errors of the surfaces' mean area, and their standard errors, NaN away from partial contact."""
+    both = np.array([curves(one, way) for one in ones])  # shape (surfaces, 2, pressures)
+    ratios = np.array([ratio_of_means(*pair) for pair in np.moveaxis(both, 2, 0).swapaxes(1, 2)]).T
+    simulated = both[:, 0].mean(axis=0)
+    partial = (simulated > LEAST) & (simulated < LARGEST)
+    return np.where(partial, ratios - [[1.0], [0.0]], np.nan)
 
 
 def curves(one: xr.Dataset, way: int) -> np.ndarray:
@@ -347,6 +387,7 @@ ACTIONS = {
     "branches": branches,
     "surfaces": surfaces,
     "means": means,
+    "loads": loads,
     "distributions": distributions,
 }
 

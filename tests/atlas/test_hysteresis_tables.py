@@ -62,6 +62,23 @@ def test_curves_of_means_are_at_the_same_pressures_and_end_where_a_loop_ends():
     assert np.isnan(validate_hysteresis.curves(one, 1)).all()
 
 
+def test_errors_by_load_are_those_of_means_beside_their_scatter(capsys):
+    """A theory 20 % too large on one condition, and off by ±20 % on surfaces of the next, at areas of p^(1/2)/2."""
+    pressure, factors = np.geomspace(0.01, 2.0, 40), np.array([[1.2, 1.2, 1.2, 1.2], [1.2, 0.8, 1.2, 0.8]])
+    area = np.broadcast_to(0.5 * np.sqrt(pressure), (2, 4, 1, 40))
+    states = {"mean_pressure": 0 * area + pressure * STRESS, "corrected_contact_area": area}
+    states |= {"branch": np.zeros(area.shape), "converged": np.ones(area.shape)}
+    dimensions = "condition", "surface", "preload", "step"
+    data = xr.Dataset({name: (dimensions, value) for name, value in states.items()})
+    data["theory_relative_contact_area"] = ((*dimensions, "theory"), (factors[:, :, None, None] * area)[..., None])
+    data = data.assign(contact_modulus=1e9, rms_slope=0.1).assign_coords(condition=[-1, -2], theory=["edge_flow"])
+    validate_hysteresis.loads(data)
+    rows = capsys.readouterr().out.splitlines()[2:]
+    assert len(rows) == validate_hysteresis.PRESSURES.size / 2
+    # Standard error of the second: 0.4/√3/√4 = 11.5 %; rms over both conditions 14.1 and 8.2 %.
+    assert rows[0] == "| loading | 0.02 … 0.029 | 4 | +10.0 % | 14.1 % | 8.2 % | 11.5 % | 2 | 2 |"
+
+
 def test_the_error_of_a_ratio_of_means_is_that_of_what_does_not_vary_together():
     simulated = np.array([1.0, 2.0, 3.0])
     assert validate_hysteresis.ratio_of_means(simulated, 0.9 * simulated) == pytest.approx((0.9, 0.0))
