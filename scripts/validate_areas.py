@@ -76,7 +76,7 @@ def lines(table: pd.DataFrame) -> Iterator[str]:
     judging = partial[partial["judges"]]
     strong = judging[judging["relative_adhesion"] >= STRONG]
     for words, some in {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong}.items():
-        for name in THEORIES:
+        for name in () if some.empty else THEORIES:
             yield row(NAMES[name], words, some["condition"].nunique(), *_cells(some, name))
 
 
