@@ -223,21 +223,27 @@ def _blind(data: xr.Dataset) -> list[xr.Dataset]:
 def loads(data: xr.Dataset) -> None:
     """Print errors of the edge flow's area by load, beside the standard error of the means that they are against."""
     loops = [_of_theory(one, "edge_flow") for one in _blind(data)]
+    found = np.array([[area_errors(ones, way) for ones in loops] for way in range(len(WAYS))])
+    found = found.reshape(len(WAYS), len(loops), 2, -1, 2)  # two neighbouring pressures
     rows = []
-    for way, name in enumerate(WAYS):
-        found = np.array([area_errors(ones, way) for ones in loops]).reshape(len(loops), 2, -1, 2)
-        for (light, heavy), both in zip(PRESSURES.reshape(-1, 2), np.moveaxis(found, 2, 0), strict=True):
-            error, spread = np.moveaxis(both, 1, 0)[:, np.isfinite(both).all(axis=1)]
-            if not error.size:
-                continue
-            own, scatter = (float(np.mean(each**2)) for each in (error, spread))
-            sizes = (f"{100 * np.sqrt(max(each, 0)):.1f} %" for each in (own, scatter, own - scatter))
-            off = (int(np.sum(np.abs(error) - times * spread > FAR_OFF)) for times in (0, 2))
-            cells = minus(f"{100 * error.mean():+.1f} %"), *sizes, *off
-            rows.append((name, f"{light:.2g} … {heavy:.2g}", error.size, *cells))
+    for place, (light, heavy) in enumerate(PRESSURES.reshape(-1, 2)):
+        cells = [_by_load(*np.moveaxis(found[way, :, :, place], 1, 0)) for way in range(len(WAYS))]
+        rows.append((f"{light:.2g} … {heavy:.2g}", *(f"{one}/{other}" for one, other in zip(*cells, strict=True))))
+    errors = "mean error, %", "its size (rms), %", "standard error, %", "size without scatter, %"
     beyond = f"beyond {100 * FAR_OFF:.0f} %"
-    errors = "mean error", "its size (rms)", "standard error", "size without scatter"
-    show(("branch", "p/(E*h′/2)", "states", *errors, beyond, f"{beyond} by two standard errors"), rows)
+    show(("p/(E*h′/2)", "states", *errors, beyond, f"{beyond} by two standard errors"), rows)
+
+
+def _by_load(error: np.ndarray, spread: np.ndarray) -> list[str]:
+    """Write what is known of errors and standard errors of areas on one way."""
+    known = np.isfinite(error)
+    if not known.any():
+        return [""] * 7
+    error, spread = error[known], spread[known]
+    own, scatter = (float(np.mean(each**2)) for each in (error, spread))
+    sizes = (f"{100 * np.sqrt(max(each, 0)):.1f}" for each in (own, scatter, own - scatter))
+    off = (f"{np.sum(np.abs(error) - times * spread > FAR_OFF)}" for times in (0, 2))
+    return [f"{error.size}", minus(f"{100 * error.mean():+.1f}"), *sizes, *off]
 
 
 def _compare(

@@ -76,7 +76,7 @@ def test_errors_by_load_are_those_of_means_beside_their_scatter(capsys):
     rows = capsys.readouterr().out.splitlines()[2:]
     assert len(rows) == validate_hysteresis.PRESSURES.size / 2
     # Standard error of the second: 0.4/√3/√4 = 11.5 %; rms over both conditions 14.1 and 8.2 %.
-    assert rows[0] == "| loading | 0.02 … 0.029 | 4 | +10.0 % | 14.1 % | 8.2 % | 11.5 % | 2 | 2 |"
+    assert rows[0] == "| 0.02 … 0.029 | 4/ | +10.0/ | 14.1/ | 8.2/ | 11.5/ | 2/ | 2/ |"
 
 
 def test_the_error_of_a_ratio_of_means_is_that_of_what_does_not_vary_together():
