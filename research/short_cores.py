@@ -12,11 +12,10 @@ from itertools import pairwise
 import numpy as np
 
 from contact_study.atlas.design import STRESS, Condition, design
-from contact_study.atlas.loops import AREA_POWER, seeds_of
+from contact_study.atlas.loops import AREA_POWER, seeds_of, without_core
 from scripts.atlas_tables import by_number
+from scripts.edge_flow_areas import areas_of, theory_input
 from scripts.harness import Option, program, show
-from scripts.validate_hysteresis import theory_input
-from theory import edge_flow
 
 CORES = 0.04, 0.02, 0.01, 0.005  # decay lengths over the range
 PRESSURES = 0.02, 0.05, 0.1, 0.4, 0.8  # over E* h'/2
@@ -25,28 +24,19 @@ PRESSURES = 0.02, 0.05, 0.1, 0.4, 0.8  # over E* h'/2
 def run(given: argparse.Namespace) -> None:
     rows = []
     for one in by_number(design()[0], given.numbers):
-        areas = np.array([areas_with(one, core, given.nodes) for core in CORES])
-        head = one.number, f"{one.length / one.spectrum.rms_height:.2f}"
-        for place, (far, near) in enumerate(pairwise(CORES)):
-            found = at_wall((far, near), areas[place : place + 2])
-            rows.append((*head, f"{far:g}, {near:g}", *(f"{area:.4f}" for area in found)))
-        rows.append((*head, "the last three", *(f"{area:.4f}" for area in at_wall(CORES[1:], areas[1:]))))
+        areas = {core: areas_with(one, core, given.nodes) for core in CORES}
+        for cores in (*pairwise(CORES), CORES[1:]):
+            found = without_core([areas[core] for core in cores], AREA_POWER, cores)
+            shown = ", ".join(f"{core:g}" for core in cores), *(f"{area:.4f}" for area in found)
+            rows.append((one.number, f"{one.length / one.spectrum.rms_height:.2f}", *shown))
     show(("condition", "ρ/h_rms", "repulsions over ρ", *(f"A at {share:g}" for share in PRESSURES)), rows)
 
 
-def areas_with(condition: Condition, core: float, nodes: int) -> list[float]:
+def areas_with(condition: Condition, core: float, nodes: int) -> np.ndarray:
     """Areas of the first surface with one repulsion."""
     pressures = STRESS * np.array(PRESSURES)
     case, spectrum = theory_input(condition, seeds_of(condition, 1)[0], pressures, core)
-    flow = edge_flow(spectrum, case.solid, case.law, 1.1 * float(pressures.max()), gaps=nodes)
-    return [flow.at_pressure(float(each)).fraction_below(case.contact_distance) for each in pressures]
-
-
-def at_wall(cores: tuple[float, ...], areas: np.ndarray) -> np.ndarray:
-    """Extrapolate areas, shape (cores, n), to none by the polynomial of all in the cores' :data:`AREA_POWER`."""
-    lengths = np.power(cores, AREA_POWER)
-    weights = [np.prod([other / (other - own) for other in lengths if other != own]) for own in lengths]
-    return np.array(weights) @ areas
+    return np.array(areas_of(case, spectrum, case.law, pressures, nodes))
 
 
 main = program(

@@ -24,12 +24,9 @@ from matplotlib.figure import Figure
 
 from contact_study.atlas.collection import THEORIES, WAYS
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, Condition, design
-from contact_study.atlas.loops import AREA_POWER, CORES, seeds_of, theory_study_of, without_core
+from contact_study.atlas.loops import seeds_of
 from contact_study.numerics.distributions import moments
-from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.plots.style import DOUBLE, styled
-from contact_study.study.case import Case, realise
-from contact_study.study.study import make_study
 from scripts.atlas_tables import (
     AREA,
     DATA,
@@ -44,10 +41,10 @@ from scripts.atlas_tables import (
     read,
     stress_of,
 )
+from scripts.edge_flow_areas import areas_at, theory_input
 from scripts.harness import FIGURE, Option, minus, program, save, show
-from theory.edge_flow.apparent_adhesion import GROWTH, adhesion_ratio, stronger
+from theory.edge_flow.apparent_adhesion import GROWTH, adhesion_ratio
 from theory.edge_flow.flow import edge_flow
-from theory.study.case_theories import roughness
 
 JUMPING_DATA = DATA.with_name("contact_atlas_jumping.nc")
 GROWTHS = 0.0, 0.04, 0.06, GROWTH, 0.1, 0.12, 0.16
@@ -154,36 +151,13 @@ def fit(data: xr.Dataset) -> None:
             continue
         condition = known[int(one["condition"])]
         seed = seeds_of(condition, int(one["surface"]))[-1]
-        curves = areas_at(condition, seed, pressure[there])
+        curves = areas_at(condition, seed, pressure[there], RATIOS)
         for growth, sizes in found.items():
             ratio = adhesion_ratio(condition.jump_ratio, growth)
             theirs = [np.interp(np.log(ratio), np.log(RATIOS), curve) for curve in curves.T]
             sizes.append(float(np.nanmean(np.abs(np.array(theirs) / area[there] - 1))))
     rows = ((f"{growth:g}", len(sizes), f"{100 * np.nanmean(sizes):.1f} %") for growth, sizes in found.items())
     show(("k", "conditions", "mean size of the error of the unloading area"), rows)
-
-
-def areas_at(condition: Condition, seed: int, pressures: np.ndarray) -> np.ndarray:
-    """Areas of the edge flow at pressures (Pa) for each of the works of adhesion, shape (ratios, pressures)."""
-    cores = CORES if condition.traction_law.has_wall else (0.0,)
-    by_core = []
-    for core in cores:
-        case, spectrum = theory_input(condition, seed, pressures, core)
-        by_ratio = []
-        for ratio in RATIOS:
-            flow = edge_flow(spectrum, case.solid, stronger(case.law, ratio), 1.1 * float(pressures.max()))
-            states = [flow.at_pressure(float(pressure)) for pressure in pressures]
-            by_ratio.append([each.fraction_below(case.contact_distance) for each in states])
-        by_core.append(np.array(by_ratio))
-    return without_core(by_core, AREA_POWER)
-
-
-def theory_input(
-    condition: Condition, seed: int, pressures: np.ndarray, core: float = 0.0
-) -> tuple[Case, RoughnessSpectrum]:
-    """Return what a theory takes of one surface of a condition at pressures (Pa): its case, and its spectrum."""
-    case = make_study(theory_study_of(condition, seed, pressures.tolist(), core)).cases[0]
-    return case, roughness(case, realise(case), "surface")
 
 
 def surfaces(data: xr.Dataset) -> None:
@@ -201,7 +175,7 @@ def surfaces(data: xr.Dataset) -> None:
     show(("condition", "law", "θ", "half", *columns, *WORKS), rows)
     print()
     strong = [judge and _strong(one) for one, judge in zip(loops, judging, strict=True)]
-    _compare(results, {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong})
+    _show(_compared(results, {"judging": judging, f"judging, θ ≥ {STRONG:g}": strong}))
 
 
 def means(data: xr.Dataset) -> None:
@@ -210,7 +184,7 @@ def means(data: xr.Dataset) -> None:
     results = {theory: [of_surfaces(one, theory) for one in loops] for theory in THEORIES}
     groups = {words: [GROUPS[words](one) for one in loops] for words in ("all", "half-spaces, θ ≥ 0.3")}
     laws = {words: [str(one["law"].values) == law for one in loops] for law, (words, _) in MARKERS.items()}
-    _compare(results, groups, laws)
+    _show(_compared(results, groups) + _compared({"edge_flow": results["edge_flow"]}, laws))
 
 
 def _blind(data: xr.Dataset) -> list[xr.Dataset]:
@@ -246,21 +220,23 @@ def _by_load(error: np.ndarray, spread: np.ndarray) -> list[str]:
     return [f"{error.size}", minus(f"{100 * error.mean():+.1f}"), *sizes, *off]
 
 
-def _compare(
-    results: dict[str, list[OfSurfaces]], groups: dict[str, list[bool]], laws: dict[str, list[bool]] | None = None
-) -> None:
-    """Print mean and worst errors of areas, tensions and works by group of conditions; by law of the edge flow only."""
-    rows = []
-    for words, some in (groups | (laws or {})).items():
-        for theory in (THEORIES if words in groups else ("edge_flow",)) if any(some) else ():
-            found = [each for each, holds in zip(results[theory], some, strict=True) if holds]
+def _show(rows: list[Sequence[object]]) -> None:
+    columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach: mean size, worst"
+    show(("theory", "conditions", "number", *columns, "pull-off", *WORKS), rows)
+
+
+def _compared(results: dict[str, list[OfSurfaces]], groups: dict[str, list[bool]]) -> list[Sequence[object]]:
+    """Write mean and worst errors of theories' areas, tensions and works by group of conditions."""
+    rows: list[Sequence[object]] = []
+    for words, some in groups.items():
+        for theory, of_all in results.items() if any(some) else ():
+            found = [each for each, holds in zip(of_all, some, strict=True) if holds]
             areas = [_areas([each[0][way] for each in found]) for way in range(len(WAYS))]
             errors = np.abs(np.array([each[1] for each in found])[..., 0] - 1).T
             sizes = [one[np.isfinite(one)] for one in errors]
             events = (f"{100 * one.mean():.0f}/{100 * one.max():.0f} %" if one.size else "" for one in sizes)
             rows.append((NAMES[theory], words, len(found), *areas, *events))
-    columns = "area loading: mean size, 95 % below, worst", "unloading", "tension on approach: mean size, worst"
-    show(("theory", "conditions", "number", *columns, "pull-off", *WORKS), rows)
+    return rows
 
 
 def choosing_half() -> set[int]:

@@ -102,12 +102,13 @@ def theory_files(condition: Condition, folder: Path, seed: int) -> dict[float, P
     return {core: file_of(folder, condition, f"theory{seed}{f'core{core:g}' * bool(core)}") for core in cores}
 
 
-def without_core(results: Sequence[np.ndarray], power: float = 1.0) -> np.ndarray:
-    """Extrapolate what both :data:`CORES` give to a wall, by a power of the core; else the first result stands."""
-    if len(results) != len(CORES):
+def without_core(results: Sequence[np.ndarray], power: float = 1.0, cores: Sequence[float] = CORES) -> np.ndarray:
+    """Extrapolate what all cores give to a wall, by the polynomial of their power; else the first result stands."""
+    if len(results) != len(cores):
         return results[0]
-    (near, far), (least, most) = results, np.power(CORES, power)
-    return near + (near - far) * least / (most - least)
+    lengths = np.power(cores, power)
+    weights = [np.prod([other / (other - own) for other in lengths if other != own]) for own in lengths]
+    return sum(weight * result for weight, result in zip(weights, results, strict=True))
 
 
 def _surface(condition: Condition, points: int) -> dict[str, Any]:
