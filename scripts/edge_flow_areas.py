@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contact_study.atlas.design import Condition
-from contact_study.atlas.loops import AREA_POWER, CORES, theory_study_of, without_core
+from contact_study.atlas.loops import AREA_POWER, cores_of, theory_study_of, without_core
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.study.case import Case, realise
@@ -19,7 +19,7 @@ from theory.study.case_theories import roughness
 def areas_at(condition: Condition, seed: int, pressures: np.ndarray, ratios: Sequence[float]) -> np.ndarray:
     """Areas at pressures (Pa) for each ratio of the work of adhesion, shape (ratios, pressures)."""
     by_core = []
-    for core in CORES if condition.traction_law.has_wall else (0.0,):
+    for core in cores_of(condition):
         case, spectrum = theory_input(condition, seed, pressures, core)
         laws = (stronger(case.law, ratio) for ratio in ratios)
         by_core.append(np.array([areas_of(case, spectrum, law, pressures) for law in laws]))

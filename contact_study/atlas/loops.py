@@ -19,7 +19,10 @@ from contact_study.campaign.library import run
 
 PRELOADS = (0.1, 0.4, 2.0)  # over the stress E* h'/2
 REFINEMENTS = (0.5, 2.0)  # of the grid, to extrapolate its error
-CORES = 0.02, 0.04  # decay lengths over the range, from which the flows are extrapolated to the wall
+# Decay lengths of repulsions from which the flows are extrapolated to a wall, over the rms height; and the longest over
+# the law's range.
+CORES = 0.002, 0.004
+LONGEST_CORE = 0.02
 # At the edge of a contact with a wall the gap rises with the power 3/2 of the distance. So the area of small gaps, such
 # as count as contact with a core, falls with the power 2/3 of the decay length.
 AREA_POWER = 2 / 3
@@ -98,8 +101,16 @@ def theory_study_of(condition: Condition, seed: int, pressures: Sequence[float],
 
 def theory_files(condition: Condition, folder: Path, seed: int) -> dict[float, Path]:
     """Return the files of a surface's theories by the core of the law, 0 for its own."""
-    cores = (0.0, *CORES) if condition.traction_law.has_wall else (0.0,)
-    return {core: file_of(folder, condition, f"theory{seed}{f'core{core:g}' * bool(core)}") for core in cores}
+    cores = dict.fromkeys((0.0, *cores_of(condition)))
+    return {core: file_of(folder, condition, f"theory{seed}{f'core{core:.2g}' * bool(core)}") for core in cores}
+
+
+def cores_of(condition: Condition) -> tuple[float, ...]:
+    """Return the decay lengths, over the law's range, of the repulsions in place of a wall; 0 for a law without."""
+    if not condition.traction_law.has_wall:
+        return (0.0,)
+    unit = min(condition.spectrum.rms_height / condition.length, LONGEST_CORE / CORES[-1])
+    return tuple(core * unit for core in CORES)
 
 
 def without_core(results: Sequence[np.ndarray], power: float = 1.0, cores: Sequence[float] = CORES) -> np.ndarray:

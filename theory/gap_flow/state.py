@@ -25,7 +25,9 @@ _NO_WEIGHT = 1e-200  # weights below it are none: far beyond the roughness they 
 _QUANTITIES = ("relative_repulsive_area", "elastic_energy", "interaction_energy", "stress_balance", "residual")
 
 _PIECES = 32  # of a node's interval over which the distribution of stress is summed
-FINE = 0.8  # distance from the lowest node, in the law's lengths, over which nodes are even before they widen
+# Nodes are even before they widen over this distance from the lowest one, in the law's lengths, or over so many lengths
+# in which the repulsion there decays, if those are shorter.
+_FINE, _FINE_DECAYS = 0.8, 15.0
 _TABLE = 40001  # points between which the coordinate of the nodes is interpolated
 
 # Nodes for one deviation of the stress of full contact, deviations up to which that holds, the part of it for tension,
@@ -320,10 +322,10 @@ def nodes_even_in_stress(
 
     ``count`` is for roughness of the law's own size; wider ranges have more nodes, as many for each factor of e.
     """
-    lowest, steps = node_range(spectrum, solid, law, length, largest_gap)
+    lowest, width, steps = node_range(spectrum, solid, law, length, largest_gap)
     count = int(np.ceil(count * max(steps / _USUAL_STEPS, 1)))
     fine = np.linspace(0, steps, _TABLE)
-    gaps = lowest + FINE * np.sinh(fine)
+    gaps = lowest + width * np.sinh(fine)
     deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
     stress = -law.traction(gaps) / max(deviation, law.peak_tensile_stress / _STRONGEST)
     # Even up to some deviations of the stress of full contact, logarithmic beyond; the tension by half as many.
@@ -337,15 +339,17 @@ def nodes_even_in_stress(
 
 def node_range(
     spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float
-) -> tuple[float, float]:
-    """The lowest node, and how far the highest is in the inverse hyperbolic sine of the distance from it."""
+) -> tuple[float, float, float]:
+    """The lowest node, the width over which nodes are even, and the highest by the arcsinh of its distance over it."""
     # No patch is pressed by twenty deviations of full contact; a mean pressure of the modulus is beyond all sense.
     deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
     highest = max(20 * deviation, 1.0) + 5 * law.peak_tensile_stress
     lowest = float(law.repulsive_gap(np.array(-highest)))
     roughness = np.sqrt(spectrum.mean_square_height) / length
     reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
-    return lowest, float(np.arcsinh((reach - lowest) / FINE))
+    decay = abs(law.traction(np.array(lowest)) / law.stiffness(np.array(lowest)))
+    width = float(np.minimum(_FINE, _FINE_DECAYS * decay))
+    return lowest, width, float(np.arcsinh((reach - lowest) / width))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
