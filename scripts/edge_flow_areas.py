@@ -12,7 +12,6 @@ from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
 from theory import edge_flow
 from theory.edge_flow.apparent_adhesion import stronger
-from theory.edge_flow.flow import EDGE_FLOW_GAPS
 from theory.study.case_theories import roughness
 
 
@@ -26,11 +25,9 @@ def areas_at(condition: Condition, seed: int, pressures: np.ndarray, ratios: Seq
     return without_core(by_core, AREA_POWER)
 
 
-def areas_of(
-    case: Case, spectrum: RoughnessSpectrum, law: TractionLaw, pressures: np.ndarray, nodes: int = EDGE_FLOW_GAPS
-) -> list[float]:
-    """Areas under a law at pressures (Pa), with so many nodes of the gap."""
-    flow = edge_flow(spectrum, case.solid, law, 1.1 * float(pressures.max()), gaps=nodes)
+def areas_of(case: Case, spectrum: RoughnessSpectrum, law: TractionLaw, pressures: np.ndarray) -> list[float]:
+    """Areas under a law at pressures (Pa)."""
+    flow = edge_flow(spectrum, case.solid, law, 1.1 * float(pressures.max()))
     states = [flow.at_pressure(float(pressure)) for pressure in pressures]
     return [state.fraction_below(case.contact_distance) for state in states]
 

@@ -16,7 +16,7 @@ from contact_study.atlas.design import (
     design,
     drawn,
 )
-from contact_study.atlas.loops import study_of
+from contact_study.atlas.loops import cores_of, study_of, theory_study_of
 from contact_study.inputs.errors import InputError
 from contact_study.physics.process_zone import process_zone
 from contact_study.physics.solids import HalfSpace
@@ -99,6 +99,19 @@ def test_a_condition_has_the_slope_the_adhesion_and_the_range_that_it_says():
         assert one.elasticity.stiffness(3e7) == pytest.approx(float(made.stiffness(3e7)), rel=1e-12)
         tabor = math.cbrt(2 / one.spectrum.rms_laplacian * (one.work_of_adhesion / 1e9) ** 2 / one.length**3)
         assert tabor == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize("law", ["exponential", "dugdale", "lennard_jones_10_4"])
+def test_repulsions_in_place_of_a_wall_are_short_against_range_and_rms_height(law):
+    of_law = [one for one in first(60) if one.law == law]
+    lengths = []
+    for one in of_law:
+        cores = cores_of(one)
+        assert all(0 < core <= 0.02 * 1.0001 for core in cores) if one.traction_law.has_wall else cores == (0.0,)
+        for core in cores:
+            given = theory_study_of(one, 1, [1.0], core)["interaction"]
+            lengths.append(given.get("core", 0.0) / one.spectrum.rms_height)
+    assert max(lengths) == pytest.approx(0.0 if law == "lennard_jones_10_4" else 0.004)  # where the range is long
 
 
 def test_no_condition_is_an_error():
