@@ -5,6 +5,7 @@ python -m scripts.atlas_tables maps --figure docs/images/contact_atlas.png
 """
 
 import argparse
+import itertools
 import sys
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -27,6 +28,7 @@ LARGEST_ERROR = 0.5  # of the figure's colours
 AREA = "corrected_contact_area"  # that theories are compared with
 SHOWN_LOADS = 0.05, 0.4  # of grids, over half of modulus times rms slope
 SHOWN = 0.2  # pressure of the figure's area
+ADHESIONS = 0.5, 1.0, 1.5, 2.0, 3.0  # ends of the ranges of relative adhesion for the works
 MARKERS = {"lennard_jones_10_4": ("10-4 law", "o"), "exponential": ("exponential", "s"), "dugdale": ("Dugdale", "^")}
 NAMES = {"persson": "Persson", "gap_flow": "gap flow", "edge_flow": "edge flow"}
 
@@ -176,6 +178,26 @@ def extrapolated(coarse: np.ndarray, own: np.ndarray, fine: np.ndarray) -> np.nd
     return fine + second / (np.clip(np.where(ratio > 0, ratio, 2.0), 2.0, None) - 1)
 
 
+def works(given: argparse.Namespace) -> None:
+    """Print what the works of both ways fall short of the work of adhesion by, over the energy of full contact."""
+    data = read(given.file)
+    some = data.isel(preload=-1, condition=np.flatnonzero(data["solid"] == "half_space")).mean("surface")
+    lacking = {"simulated": (some["work_of_approach"], some["work_of_separation"])}
+    for theory in THEORIES[1:]:
+        works_of = some["theory_work_of_separation"].sel(theory=theory)
+        lacking[NAMES[theory]] = works_of.sel(way="loading"), works_of.sel(way="unloading")
+    adhesion, intrinsic = some["relative_adhesion"].values, some["work_of_adhesion"]
+    shares = [(1 - work / intrinsic).values * adhesion for both in lacking.values() for work in both]
+    rows = []
+    for low, high in itertools.pairwise(ADHESIONS):
+        there = (adhesion >= low) & (adhesion < high)
+        if not there.any():
+            continue
+        cells = ("{1:.2f} ({0:.2f}…{2:.2f})".format(*np.percentile(share[there], (0, 50, 100))) for share in shares)
+        rows.append((f"{low:g} … {high:g}", there.sum(), *map(minus, cells)))
+    show(("θ", "conditions", *(f"{name}: {way}" for name in lacking for way in ("approach", "separation"))), rows)
+
+
 def cost(given: argparse.Namespace) -> None:
     """Print loops and processor time of a condition, theories and other grids included, by grid."""
     data = read(given.file)
@@ -297,6 +319,7 @@ ACTIONS = {
     "design": numbers,
     "areas": areas,
     "grids": grids,
+    "works": works,
     "cost": cost,
     "maps": maps,
 }

@@ -201,6 +201,26 @@ def test_tables_of_a_dataset(dataset, tmp_path, capsys):
     assert "cannot be read" in capsys.readouterr().err
 
 
+def test_works_fall_short_by_their_share_of_the_energy_of_full_contact(tmp_path, capsys):
+    data = atlas_tables.read(SURFACES)
+    full = data.work_of_adhesion / data.relative_adhesion
+    for name, share in {"work_of_approach": 0.9, "work_of_separation": 0.5}.items():
+        data[name] = (
+            (data.work_of_adhesion - share * full).expand_dims(preload=data.preload).transpose(*data[name].dims)
+        )
+    data["theory_work_of_separation"].loc[{"theory": "edge_flow", "way": "unloading"}] = (
+        data.work_of_adhesion + 0.25 * full
+    )
+    path = tmp_path / "works.nc"
+    data.isel(condition=np.flatnonzero(data.relative_adhesion < 1.5)).to_netcdf(path)
+    assert atlas_tables.main(["works", str(path)]) == 0
+    rows = [line.strip("| ").split(" | ") for line in capsys.readouterr().out.splitlines()[2:]]
+    count = int(((data.relative_adhesion >= 1) & (data.relative_adhesion < 1.5) & (data.solid == "half_space")).sum())
+    assert [row[0] for row in rows] == ["0.5 … 1", "1 … 1.5"]
+    assert rows[1][1:4] == [str(count), "0.90 (0.90…0.90)", "0.50 (0.50…0.50)"]
+    assert rows[1][-1] == "−0.25 (−0.25…−0.25)"
+
+
 def test_grids_extrapolate_a_known_order():
     values = [1 + 0.1 * spacing**2 for spacing in (4.0, 2.0, 1.0)]
     assert atlas_tables.extrapolated(*map(np.array, values)) == pytest.approx(1.0)
