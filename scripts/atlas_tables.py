@@ -182,10 +182,11 @@ def works(given: argparse.Namespace) -> None:
     """Print what the works of both ways fall short of the work of adhesion by, over the energy of full contact."""
     data = read(given.file)
     some = data.isel(preload=-1, condition=np.flatnonzero(data["solid"] == "half_space")).mean("surface")
-    lacking = {"simulated": (some["work_of_approach"], some["work_of_separation"])}
-    for theory in THEORIES[1:]:
-        works_of = some["theory_work_of_separation"].sel(theory=theory)
-        lacking[NAMES[theory]] = works_of.sel(way="loading"), works_of.sel(way="unloading")
+    of_theory = some["theory_work_of_separation"].sel(theory="edge_flow")
+    lacking = {
+        "simulated": (some["work_of_approach"], some["work_of_separation"]),
+        "edge flow": (of_theory.sel(way="loading"), of_theory.sel(way="unloading")),
+    }
     adhesion, intrinsic = some["relative_adhesion"].values, some["work_of_adhesion"]
     shares = [(1 - work / intrinsic).values * adhesion for both in lacking.values() for work in both]
     rows = []
