@@ -35,7 +35,6 @@ CONTACT_MODULUS = YOUNGS_MODULUS / (1 - POISSONS_RATIO**2)
 MODELS = ("continuum", "atoms", "warm_atoms")
 WARM = 300.0  # K
 WARM_PRESSURES = (0.05, 2.0)
-WARM_CONDITIONS = (491, 519, 81, 577)  # the smallest, and one that jumps
 TRAJECTORIES, EQUILIBRATION = 60, 20
 _PATH = (*PRESSURES, *PRESSURES[-2::-1])
 _STATES = (
@@ -166,9 +165,9 @@ def blocks(count: int = TWENTIETH) -> list[Block]:
 def tasks() -> list[tuple[Block, str]]:
     """List all runs, each a block and one of :data:`MODELS`, in their order."""
     chosen = blocks()
-    warm = [(block, MODELS[2]) for block in chosen if block.condition.number in WARM_CONDITIONS]
     fine = [Block(block.condition, SLOPES[1]) for block in chosen if block.condition.number in FINE_CONDITIONS]
-    return [*((block, model) for block in [*chosen, *fine] for model in MODELS[:2]), *warm]
+    at_rest = [(block, model) for block in [*chosen, *fine] for model in MODELS[:2]]
+    return [*at_rest, *((block, MODELS[2]) for block in chosen)]
 
 
 def run_block(block: Block, folder: Path, model: str) -> None:
