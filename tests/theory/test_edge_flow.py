@@ -138,7 +138,7 @@ def test_a_shorter_core_holds_the_same_contact():
     ("flow", "nodes", "areas"), [(edge_flow, 120, (0.2055, 0.4764)), (gap_flow, 240, (0.2235, 0.5012))]
 )
 def test_nodes_resolve_the_edges_of_contact_that_a_short_core_leaves(flow, nodes, areas):
-    """The areas are those of 960 and 1920 nodes; nodes even over the law's length would be off by 2 to 6 %."""
+    """The areas are those of 960 and 1920 nodes; nodes even over the law's length would be off by 1 to 6 %."""
     wavevector, length, core = 2 * np.pi / 1e-6, 1e-8, 0.002
     spectrum = SelfAffineSpectrum(0.6, 1e-8, wavevector, 2 * wavevector, 8 * wavevector)
     work = 0.3 * float(spectrum.full_contact_energy(HalfSpace(1e9).stiffness))

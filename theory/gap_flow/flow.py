@@ -20,7 +20,7 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.gap_flow.kernels import BRANCHES, backward_sweep, flow_through_scales
-from theory.gap_flow.state import GapNodes, GapState, PressureCurve, core_of, cumulatives, node_range, positions
+from theory.gap_flow.state import GapNodes, GapState, PressureCurve, core_of, cumulatives, positions, widening_nodes
 
 GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600  # nodes of the gap and bands of wavevectors
 
@@ -164,8 +164,7 @@ def gap_flow(
     length = core_of(law)
     solid = elasticity_of(elasticity)
     reduced = law.scaled(length, solid.contact_modulus)
-    lowest, width, end = node_range(spectrum, solid, reduced, length, largest_gap)
-    x = lowest + width * np.sinh(np.linspace(0, end, gaps))  # finest where the law varies
+    _, x = widening_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
     stiffness, steps = _scales(spectrum, solid, length, scales, options)
     energy = np.array(reduced.potential(x), dtype=float)
     kept = np.empty((steps.size, x.size)), np.empty((steps.size, x.size), dtype=np.int32)

@@ -318,29 +318,27 @@ def positions(mean_gaps: np.ndarray, lowest: float, highest: float) -> np.ndarra
 def nodes_even_in_stress(
     spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
 ) -> GapNodes:
-    """Nodes even in a sum of the coordinate of :func:`node_range` and of the law's stress, which decides the mean.
+    """Nodes even in a sum of the coordinate of :func:`widening_nodes` and of the law's stress, which decides the mean.
 
     ``count`` is for roughness of the law's own size; wider ranges have more nodes, as many for each factor of e.
     """
-    lowest, width, steps = node_range(spectrum, solid, law, length, largest_gap)
-    count = int(np.ceil(count * max(steps / _USUAL_STEPS, 1)))
-    fine = np.linspace(0, steps, _TABLE)
-    gaps = lowest + width * np.sinh(fine)
+    fine, gaps = widening_nodes(spectrum, solid, law, length, largest_gap, _TABLE)
+    count = int(np.ceil(count * max(fine[-1] / _USUAL_STEPS, 1)))
     deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
     stress = -law.traction(gaps) / max(deviation, law.peak_tensile_stress / _STRONGEST)
     # Even up to some deviations of the stress of full contact, logarithmic beyond; the tension by half as many.
     change = np.abs(np.diff(np.where(stress > 0, _EVEN * np.arcsinh(stress / _EVEN), _OF_TENSION * stress)))
     law_nodes = _NODES_PER_DEVIATION * np.concatenate([[0.0], np.cumsum(change)])
     law_nodes *= min(1.0, 0.5 * (count - 1) / law_nodes[-1])
-    number = law_nodes + (count - 1 - law_nodes[-1]) * fine / steps
+    number = law_nodes + (count - 1 - law_nodes[-1]) * fine / fine[-1]
     places = np.interp(np.arange(2 * count - 1) / 2, number, gaps)
     return GapNodes(law, places[::2], places[1::2])
 
 
-def node_range(
-    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float
-) -> tuple[float, float, float]:
-    """The lowest node, the width over which nodes are even, and the highest by the arcsinh of its distance over it."""
+def widening_nodes(
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Even steps of a coordinate from zero, and gaps there: even where the law varies, then ever wider apart."""
     # No patch is pressed by twenty deviations of full contact; a mean pressure of the modulus is beyond all sense.
     deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
     highest = max(20 * deviation, 1.0) + 5 * law.peak_tensile_stress
@@ -349,7 +347,8 @@ def node_range(
     reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
     decay = abs(law.traction(np.array(lowest)) / law.stiffness(np.array(lowest)))
     width = float(np.minimum(_FINE, _FINE_DECAYS * decay))
-    return lowest, width, float(np.arcsinh((reach - lowest) / width))
+    coordinate = np.linspace(0, float(np.arcsinh((reach - lowest) / width)), count)
+    return coordinate, lowest + width * np.sinh(coordinate)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
