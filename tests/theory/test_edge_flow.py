@@ -108,6 +108,28 @@ def test_contact_that_the_approach_does_not_reach_is_followed_from_its_own_side(
     assert not flow.states(np.array([between]))[0].converged
 
 
+def test_full_contact_under_strong_adhesion_has_its_pressure():
+    """In full contact the trial field is exact, and both pressures agree; states of heights 33 ranges high amplify
+    what responses are off by."""
+    wavevector = 2 * np.pi / 1e-4
+    spectrum = SelfAffineSpectrum(0.8, 1e-7, wavevector, wavevector, 30 * wavevector)
+    energy = float(spectrum.full_contact_energy(HalfSpace(1e11).stiffness))
+    flow = edge_flow(spectrum, 1e11, LennardJones104(0.5 * energy, 3e-9), 1.1e9, gaps=80, scales=16)
+    assert flow.pieces[-1][0].gap < 1.1 < 100 < flow.pieces[0][-1].gap
+    for pressure in (1e8, 1e9):
+        state = flow.at_pressure(pressure)
+        assert state.converged
+        assert state.fraction_below(1.12 * flow.length) > 0.999
+        # Measured 0.971 and 0.998; the tolerance of all other states leaves 2.
+        assert state.stress_balance == pytest.approx(1, abs=0.05)
+    between = 0.5 * (flow.pieces[-1][0].gap + flow.pieces[0][-1].gap) * flow.length
+    assert np.isnan(flow.pressure_at(between))
+    # Pressures between those of two pieces have no state, and it is not their gap that lies between.
+    tail = dataclasses.replace(flow, pieces=(flow.pieces[0], flow.pieces[-1][-3:]))
+    with pytest.raises(ValueError, match="no state found carries it"):
+        tail.at_pressure(0.5 * float(tail.pressure[tail.mean_gap < between].min()))
+
+
 @pytest.mark.validation
 def test_four_decades_of_roughness_have_states():
     """The stress of wide bands is in the last thousandths of their variance: 480 nodes and 300 scales give 0.8795."""

@@ -193,6 +193,8 @@ def test_what_the_edge_flow_does_not_find_is_said():
     with pytest.warns(NotConverged, match=r"edge flow: \d+ of \d+ mean gaps"):
         values = list(map(paths._edge_flow_values(case, flow, BackgroundExecutor(1), 0), range(3)))
     assert not any(step["edge_flow/converged"] for step in values)
+    assert np.isnan(values[0]["edge_flow/mean_pressure"])  # the curve is full contact's, at larger pressures
+    assert not values[0]["edge_flow/detached"]
     assert values[-1]["edge_flow/detached"]
     beyond = next(step for step in values if np.isnan(step["edge_flow/mean_pressure"]))
     assert np.isnan(beyond["edge_flow/relative_contact_area"])

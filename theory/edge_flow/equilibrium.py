@@ -42,6 +42,8 @@ class EdgeFlowOptions:
     halvings: int = 3  # of that step
     lost: int = 3  # states lost in a row that end the curve
     fewest: int = 4  # states of a piece
+    deepest: float = 0.5  # of the distance to the lowest node where states begin that are followed from contact outward
+    in_contact: tuple[float, int] = (0.01, 3)  # of the tolerance, and times the iterations, for these
     bounded_area: float = 0.1  # of a scale in which the growth of the gradients may be bounded
     more_scales: int = 3  # times as many scales, where that is larger or states are lost
     starts: tuple[float, ...] = (0.7, 0.45, 0.25, 0.1, 0.04)  # of the approach's end, where adhesion is grown instead
@@ -263,12 +265,15 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
         if not ended:
             break
     if ended:
-        # The flat block's own pressure is passed, and two nodes more.
+        # From so deep in full contact that its curve has states enough. The law is stiff there, so that what responses
+        # are off by has much energy.
         beyond = np.flatnonzero((x <= near) & (-problem.traction >= highest))
-        node = max(int(beyond[-1]) - 2, 1) if beyond.size else 1
-        start = problem.solve(float(x[node]), problem.local())
-        outward, _ = _follow(problem, start, 1, lambda state: state.gap >= last, 1)
-        keep([state for state in reversed(solved(outward)) if state.gap < last])
+        deepest = x[0] + options.deepest * (x[beyond[-1]] - x[0]) if beyond.size else x[1]
+        finer, longer = options.in_contact
+        accurate = replace(problem, tolerance=finer * problem.tolerance, iterations=longer * problem.iterations)
+        start = accurate.solve(float(x[max(int(np.searchsorted(x, deepest)), 1)]), problem.local())
+        outward, _ = _follow(accurate, start, 1, lambda state: state.gap >= last, 1)
+        keep([state for state in reversed(outward) if state.gap < last and state.change <= accurate.tolerance])
     return (tuple(pieces), lost) if pieces else ((tuple(approached),), 0)
 
 

@@ -71,7 +71,8 @@ class EdgeFlow(PressureCurve):
     branch: str = "loading"
 
     def _meant(self, crossings: np.ndarray) -> np.ndarray:
-        return crossings[crossings < self._fold] if self.branch == "unloading" else crossings
+        found = crossings[~np.isin(crossings, self._ends)]  # between two pieces there is no state
+        return found[found < self._fold] if self.branch == "unloading" else found
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -126,12 +127,16 @@ class EdgeFlow(PressureCurve):
         """p = −dE/dū, shape (n,) (Pa)."""
         return -np.concatenate([energy(places, 1) for _, places, energy in self._curves]) * self.contact_modulus
 
+    @cached_property
+    def _ends(self) -> np.ndarray:
+        """Index of the last mean gap of each piece."""
+        return np.cumsum([len(places) for _, places, _ in self._curves]) - 1
+
     @property
     def pull_off_pressure(self) -> float:
         """Lowest pressure of the curve, the end of adhesion (Pa); NaN where that is at the end of a piece."""
         lowest = self._fold
-        ends = np.cumsum([len(places) for _, places, _ in self._curves])
-        return float("nan") if lowest == 0 or lowest in ends or lowest in ends - 1 else float(self.pressure[lowest])
+        return float("nan") if lowest == 0 or lowest in (*self._ends, *self._ends + 1) else float(self.pressure[lowest])
 
     def pressure_at(self, mean_gap: float) -> float:
         """Pressure at a mean gap within the curve (Pa); NaN between its pieces."""

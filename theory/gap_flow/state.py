@@ -293,7 +293,7 @@ class PressureCurve(ABC):
         gap = self.gap_at(pressure)
         if np.isnan(gap):
             lowest = self.pull_off_pressure
-            reason = f"below the pull-off at {lowest:.3g} Pa" if np.isfinite(lowest) else "no state found carries it"
+            reason = f"below the pull-off at {lowest:.3g} Pa" if pressure < lowest else "no state found carries it"
             raise ValueError(f"pressure = {pressure:g} Pa: {reason}")
         return self.states(np.array([gap]))[0]
 

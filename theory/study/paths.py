@@ -101,8 +101,10 @@ def _edge_flow_values(
 def _edge_flow_gap(case: Case, flow: EdgeFlow, asked: float) -> float | None:
     """Mean gap of a path point (m), NaN where no state carries its pressure; None where the curve does not say."""
     if case.loading.control == "pressure":
-        # A curve that ended early does not say what is beyond it.
-        return flow.gap_at(asked) if asked <= flow.pressure.max() else None
+        # A curve that ended early does not say what is beyond it, nor one in pieces what is between these.
+        gap = flow.gap_at(asked) if asked <= flow.pressure.max() else np.nan
+        known = np.isfinite(gap) or (asked <= 0 and asked < flow.pressure.min())
+        return gap if known else None
     gap = asked + case.law.equilibrium_distance
     return gap if flow.mean_gap[0] <= gap <= flow.mean_gap[-1] else None
 
