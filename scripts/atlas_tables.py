@@ -131,11 +131,14 @@ def compared(one: xr.Dataset) -> xr.DataArray:
 
 
 def grids(given: argparse.Namespace) -> None:
-    """Print mean sizes of errors on half, all and twice the points against the extrapolation of the three, by law."""
+    """Print errors on half, all and twice the points against the extrapolation of the three, by law.
+
+    Mean sizes, and with their sign and standard error those of the corrected area on all points.
+    """
     data = read(given.file)
     if "refined_mean_pressure" not in data:
         raise InputError(f"{given.file}: no condition was run on other grids")
-    by_law: dict[str, list[list[np.ndarray]]] = {}
+    by_law: dict[str, list[np.ndarray]] = {}
     for one in deepest(data.isel(surface=[0])):
         if one["refined_pull_off_pressure"].isnull().any():
             continue
@@ -144,13 +147,20 @@ def grids(given: argparse.Namespace) -> None:
         for words, (_, unit) in three[0].items():
             values = np.array([each[words][0] for each in three])
             limit = extrapolated(*values)
-            errors.append(100 * np.abs(values - limit) / (unit or abs(limit)))
-        by_law.setdefault(str(one["law"].values), []).append(errors)
-    rows = [
-        (MARKERS[law][0], len(found), *(f"{'/'.join(f'{size:.1f}' for size in each)} %" for each in np.mean(found, 0)))
-        for law, found in sorted(by_law.items())
-    ]
-    show(("law", "conditions", *three[0]), rows)
+            errors.append(100 * (values - limit) / (unit or abs(limit)))
+        by_law.setdefault(str(one["law"].values), []).append(np.array(errors))
+    columns = list(three[0])
+    signed = [place for place, words in enumerate(columns) if words.startswith("corrected")]
+    rows = []
+    for law, of_law in sorted(by_law.items()):
+        found = np.array(of_law)  # shape (conditions, results, grids)
+        sizes = (f"{'/'.join(f'{size:.1f}' for size in each)} %" for each in np.abs(found).mean(axis=0))
+        own = found[:, signed, 1]
+        pairs = zip(own.mean(axis=0), own.std(axis=0, ddof=1) / np.sqrt(len(own)), strict=True)
+        rows.append(
+            (MARKERS[law][0], len(found), *sizes, *(minus(f"{mean:+.1f} ± {error:.1f} %") for mean, error in pairs))
+        )
+    show(("law", "conditions", *columns, *(f"{columns[place]}, signed" for place in signed)), rows)
 
 
 def _summary(one: xr.Dataset, factor: float | None) -> dict[str, tuple[float, float | None]]:

@@ -15,8 +15,9 @@ from pathlib import Path
 
 import xarray as xr
 
-from contact_study.atlas.collection import collect, join
+from contact_study.atlas.collection import collect
 from contact_study.atlas.design import JUMPING, LEAST_JUMP, SURFACES, WHOLE, Condition, design
+from contact_study.atlas.joining import join
 from contact_study.atlas.loops import PRELOADS, REFINEMENTS, run_condition
 from contact_study.atlas.validation import problems
 from contact_study.campaign.store.files import write_aside
@@ -42,7 +43,9 @@ def compute(given: argparse.Namespace) -> int:
             print(f"{len(conditions) - number + 1} conditions are left; run again to resume", file=sys.stderr)
             return 2
         factors = REFINEMENTS if one.number in refined else ()
-        run_condition(one, Path(given.folder), given.surfaces, factors, given.workers, given.preloads)
+        run_condition(
+            one, Path(given.folder), given.surfaces, factors, given.workers, given.preloads, given.first_surface
+        )
         seconds = time.monotonic() - began
         words = f"{number} of {len(conditions)}: condition {one.number}, {one.points}², {seconds:.0f} s so far"
         print(words, file=sys.stderr, flush=True)
@@ -138,6 +141,7 @@ main = program(
     Option("--preloads", list(PRELOADS), "of the loops, over E* h'/2"),
     Option("--folder", "build/atlas", "folder of the runs"),
     Option("--surfaces", SURFACES, "surfaces of each condition"),
+    Option("--first-surface", 1, "first surface that is run, where another dataset has those before"),
     Option("--part", "1/1", "K/N: every N-th condition from the K-th on, for job arrays"),
     Option("--workers", 1, "processes for loops of a condition"),
     Option("--refined", int, "conditions that run on half and twice the points, too; default: a tenth"),

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.atlas.collection import sealed
 from contact_study.atlas.design import MODULUS, RMS_SLOPE, SIZE, STRESS, Condition, design
+from contact_study.atlas.joining import sealed
 from contact_study.atlas.loops import file_of, seeds_of, study_of
 from contact_study.campaign.library import run
 from contact_study.inputs.errors import InputError

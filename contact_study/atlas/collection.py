@@ -1,6 +1,5 @@
-"""One dataset of all conditions of the atlas: states, loops, theories and criteria, with a checksum of its content."""
+"""One dataset of all conditions of the atlas: states, loops, theories and criteria."""
 
-import hashlib
 import itertools
 import json
 from collections.abc import Mapping, Sequence
@@ -9,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from contact_study.atlas.design import SIZE, STRESS, Condition
+from contact_study.atlas.design import DESIGNED, SIZE, STRESS, Condition
+from contact_study.atlas.joining import concatenated, sealed
 from contact_study.atlas.loops import (
     AREA_POWER,
     CORES,
@@ -19,6 +19,7 @@ from contact_study.atlas.loops import (
     loop_files,
     own_states,
     seeds_of,
+    surface_of,
     theory_files,
     unloading_states,
     without_core,
@@ -110,15 +111,6 @@ _EDGES = {
     f"{what}_edge": (f"{what}_edge", list(edges), {"units": "1", "long_name": f"edges of coarse bins over {unit}"})
     for what, unit, edges in _DISTRIBUTED.values()
 }
-_DESIGNED = {
-    "hurst_exponent": "Hurst exponent",
-    "cutoff_ratio": "cutoff over roll-off wavevector",
-    "relative_adhesion": "work of adhesion over elastic energy of full contact, by design",
-    "tabor_number": "Tabor parameter of the mean asperity, by design",
-    "law": "traction-separation law",
-    "solid": "solid",
-    "points": "points of the grid along a side",
-}
 
 
 def collect(conditions: Sequence[Condition], folder: Path, surfaces: int = 1) -> xr.Dataset:
@@ -148,9 +140,9 @@ def collect(conditions: Sequence[Condition], folder: Path, surfaces: int = 1) ->
         raise InputError(f"{folder}: has no finished condition; run some first")
     finished = list(known)
     parts = [_condition(one, folder, seeds) for one, seeds in known.items()]
-    found = _concatenated(parts, xr.Variable("condition", [one.number for one in finished]))
+    found = concatenated(parts, xr.Variable("condition", [one.number for one in finished]))
     found["condition"].attrs = {"units": "1", "long_name": "number of the condition in the design"}
-    for name, words in _DESIGNED.items():
+    for name, words in DESIGNED.items():
         found[name] = ("condition", [getattr(one, name) for one in finished], {"units": "1", "long_name": words})
     found.attrs = {
         "Conventions": CONVENTIONS,
@@ -162,71 +154,11 @@ def collect(conditions: Sequence[Condition], folder: Path, surfaces: int = 1) ->
     return sealed(found)
 
 
-def join(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Join datasets of different conditions, of this software or others; what one of them lacks is empty.
-
-    Parameters
-    ----------
-    datasets : sequence of xarray.Dataset
-        Of one shape: ``condition``, ``surface``, ``preload`` and ``step``, sound by
-        :func:`contact_study.atlas.validation.problems`.
-
-    Returns
-    -------
-    xarray.Dataset
-        In the order of the conditions' numbers, with the attributes of the first.
-
-    Raises
-    ------
-    InputError
-        If a dataset has no dimension ``condition``, or if a condition is in two of them.
-    """
-    known: set[int] = set()
-    for number, one in enumerate(datasets, 1):
-        if "condition" not in one.coords:
-            raise InputError(f"dataset {number}: has no coordinate condition; number its contacts")
-        numbers = one["condition"].values.tolist()
-        if twice := known.intersection(numbers):
-            raise InputError(f"dataset {number}: condition {min(twice)} is in another dataset; renumber it")
-        known.update(numbers)
-    return sealed(_concatenated(datasets, "condition").sortby("condition"))
-
-
-def _concatenated(parts: Sequence[xr.Dataset], along: xr.Variable | str) -> xr.Dataset:
-    """Concatenate datasets whose loops may differ in length, surfaces and preloads; what one lacks is empty."""
-    aligned = [one.assign_coords(step=np.arange(one.sizes["step"])) for one in parts]
-    whole_numbers = {name for one in aligned for name, variable in one.items() if variable.dtype.kind == "i"}
-    empty = dict.fromkeys(whole_numbers, -1)  # as in all datasets
-    found = xr.concat(aligned, along, data_vars="all", join="outer", combine_attrs="override", fill_value=empty)
-    return found.drop_vars("step")
-
-
-def sealed(dataset: xr.Dataset) -> xr.Dataset:
-    """Reduce numbers to seven digits and enter the checksum of the content."""
-    small = {
-        name: variable.astype(np.float32) for name, variable in dataset.data_vars.items() if variable.dtype == float
-    }
-    found = dataset.assign(small)
-    return found.assign_attrs(content_sha256=checksum(found))
-
-
-def checksum(dataset: xr.Dataset) -> str:
-    """SHA-256 of names, dimensions and numbers of a dataset, however its file stores them."""
-    digest = hashlib.sha256()
-    for name in sorted(map(str, dataset.variables)):
-        variable = dataset.variables[name]
-        text = variable.dtype.kind in "OUS"
-        values = np.asarray(variable.values, str if text else "<f4")
-        digest.update(f"{name}{variable.dims}{values.shape}".encode())
-        digest.update("\0".join(values.ravel()).encode() if text else (values + np.float32(0)).tobytes())
-    return digest.hexdigest()
-
-
 def _finished(condition: Condition, folder: Path, surfaces: int) -> list[int]:
-    """Return the seeds of the surfaces, from the first on, that have loops and theories."""
+    """Return the seeds of the surfaces that have loops and theories."""
     files = loop_files(condition, folder, seeds_of(condition, surfaces))
-    by_seed = {seed: (path, *theory_files(condition, folder, seed).values()) for path in files for seed in files[path]}
-    return list(itertools.takewhile(lambda seed: all(path.exists() for path in by_seed[seed]), by_seed))
+    needed = {seed: [path, *theory_files(condition, folder, seed).values()] for path in files for seed in files[path]}
+    return [seed for seed, paths in needed.items() if all(path.exists() for path in paths)]
 
 
 def _condition(condition: Condition, folder: Path, seeds: Sequence[int]) -> xr.Dataset:
@@ -235,7 +167,7 @@ def _condition(condition: Condition, folder: Path, seeds: Sequence[int]) -> xr.D
         with xr.open_dataset(path) as opened:
             loops = opened.load()
         parts += [_surface(condition, folder, loops.sel(seed=seed)) for seed in some]
-    found = _concatenated(parts, xr.Variable("surface", range(1, len(seeds) + 1)))
+    found = concatenated(parts, xr.Variable("surface", [surface_of(condition, seed) for seed in seeds]))
     found = found.drop_vars([name for name in ("seed", "trigger_force") if name in found.variables])
     found["preload"].attrs = {"units": "1", "long_name": "largest pressure over half of modulus times rms slope"}
     found["surface"].attrs = {"units": "1", "long_name": "number of the surface"}

@@ -36,6 +36,15 @@ RANGES = {
     "law": Distribution("values", values=("lennard_jones_10_4", "exponential", "dugdale")),
     "solid": Distribution("values", values=("half_space", "half_space", "half_space", "layer")),
 }
+DESIGNED = {  # what a condition is, in datasets
+    "hurst_exponent": "Hurst exponent",
+    "cutoff_ratio": "cutoff over roll-off wavevector",
+    "relative_adhesion": "work of adhesion over elastic energy of full contact, by design",
+    "tabor_number": "Tabor parameter of the mean asperity, by design",
+    "law": "traction-separation law",
+    "solid": "solid",
+    "points": "points of the grid along a side",
+}
 
 
 @dataclass(frozen=True)

@@ -150,6 +150,11 @@ def seeds_of(condition: Condition, surfaces: int) -> list[int]:
     return [100 * condition.number + surface for surface in range(1, surfaces + 1)]
 
 
+def surface_of(condition: Condition, seed: int) -> int:
+    """Return the number of the surface of a seed."""
+    return seed - 100 * condition.number
+
+
 def file_of(folder: Path, condition: Condition, kind: str = "loops") -> Path:
     """Return the file of a condition's loops, refined loops or theories."""
     return folder / f"{condition.number:04d}_{kind}.nc"
@@ -162,6 +167,7 @@ def run_condition(
     refinements: Sequence[float] = (),
     workers: int = 1,
     preloads: Sequence[float] = PRELOADS,
+    first: int = 1,
 ) -> None:
     """Run what a folder lacks of a condition: its loops, those on other grids, and its theories.
 
@@ -182,12 +188,14 @@ def run_condition(
         Number of processes.
     preloads : sequence of float, optional
         As for :func:`study_of`.
+    first : int, optional
+        First of the surfaces that are run.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    seeds = seeds_of(condition, surfaces)
+    seeds = seeds_of(condition, surfaces)[first - 1 :]
     loops = []
     for path, some in loop_files(condition, folder, seeds).items():
-        to = preloads if some == seeds[:1] else preloads[-1:]
+        to = preloads if surface_of(condition, some[0]) == 1 else preloads[-1:]
         loops.append(_run(study_of(condition, some, preloads=to), "continuum", path, workers))
     for factor in refinements:
         study = study_of(condition, seeds[:1], factor, preloads[-1:])
@@ -200,8 +208,10 @@ def run_condition(
 
 def loop_files(condition: Condition, folder: Path, seeds: Sequence[int]) -> dict[Path, list[int]]:
     """Return the seeds whose loops are in each file: the first surface, with all preloads, has its own."""
-    files = {file_of(folder, condition): seeds[:1], file_of(folder, condition, "further"): seeds[1:]}
-    return {path: list(some) for path, some in files.items() if some}
+    first = seeds_of(condition, 1)
+    own, further = ([seed for seed in seeds if (seed in first) == holds] for holds in (True, False))
+    files = {file_of(folder, condition): own, file_of(folder, condition, "further"): further}
+    return {path: some for path, some in files.items() if some}
 
 
 def run_theories(condition: Condition, folder: Path, seed: int, pressures: Sequence[float]) -> list[Path]:

@@ -6,7 +6,7 @@ They need the names of this software's datasets and no particular dimensions, so
 import numpy as np
 import xarray as xr
 
-from contact_study.atlas.collection import checksum
+from contact_study.atlas.joining import checksum
 from contact_study.physics.process_zone import POINTS_PER_PROCESS_ZONE
 from contact_study.results.schema import variable_of
 

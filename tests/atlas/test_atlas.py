@@ -7,8 +7,9 @@ import pytest
 import xarray as xr
 
 from contact_study.atlas import collection, loops
-from contact_study.atlas.collection import collect, join
+from contact_study.atlas.collection import collect
 from contact_study.atlas.design import STRESS, Condition, design
+from contact_study.atlas.joining import join
 from contact_study.atlas.loops import run_condition
 from contact_study.atlas.validation import problems
 from contact_study.inputs.errors import InputError
@@ -139,6 +140,16 @@ def test_a_condition_widens_by_a_surface_and_its_processor_time(folder, dataset,
 
 
 @pytest.mark.validation
+def test_further_surfaces_are_run_alone_and_joined(folder, dataset, tmp_path):
+    run_condition(CONDITION, tmp_path, 2, preloads=PRELOADS, first=2)
+    assert not loops.file_of(tmp_path, CONDITION).exists()
+    further = collect([CONDITION], tmp_path, 2)
+    assert further.surface.values.tolist() == [2]
+    joined = join([dataset.isel(surface=[0]), further])
+    assert joined.drop_vars("processor_time").equals(dataset.drop_vars("processor_time"))
+
+
+@pytest.mark.validation
 def test_theories_of_another_loop_are_refused(folder, tmp_path):
     for path in folder.glob("*.*"):
         if path.is_file():
@@ -226,6 +237,24 @@ def test_grids_extrapolate_a_known_order():
     assert atlas_tables.extrapolated(*map(np.array, values)) == pytest.approx(1.0)
 
 
+def test_errors_of_grids_have_their_sign(tmp_path, capsys):
+    data = atlas_tables.read(atlas_tables.DATA)
+    there = data.refined_pull_off_pressure.notnull().all("refinement") & (data.law == "exponential")
+    data = data.isel(condition=np.flatnonzero(there)[:3], surface=[0])
+    own = data.isel(surface=0, preload=-1)
+    errors = xr.DataArray([1.06, 1.015], {"refinement": data.refinement}) / 1.03  # of first order, 3 % on all points
+    data["refined_mean_pressure"] = own.mean_pressure.broadcast_like(data.refined_mean_pressure)
+    data["refined_corrected_contact_area"] = own.corrected_contact_area * errors
+    path = tmp_path / "grids.nc"
+    data.to_netcdf(path)
+    assert atlas_tables.main(["grids", str(path)]) == 0
+    head, _, first, *rest = capsys.readouterr().out.splitlines()
+    cells = dict(zip(head.strip("| ").split(" | "), first.strip("| ").split(" | "), strict=True))
+    assert rest == []
+    assert cells["corrected area at 0.4"] == "6.0/3.0/1.5 %"
+    assert cells["corrected area at 0.4, signed"] == "+3.0 ± 0.0 %"
+
+
 def test_parts_of_a_dataset_join_to_the_whole():
     whole = atlas_tables.read(atlas_tables.DATA)
     first, rest = whole.isel(condition=slice(0, 30)), whole.isel(condition=slice(30, None))
@@ -239,6 +268,25 @@ def test_parts_of_a_dataset_join_to_the_whole():
     assert wide.theory_mean_gap[:30].identical(first.theory_mean_gap)
 
 
+def test_surfaces_of_the_same_conditions_join():
+    whole = atlas_tables.read(atlas_tables.DATA).isel(condition=slice(0, 8))
+    first, further = whole.isel(surface=[0]), whole.isel(surface=slice(1, None), preload=[-1])
+    joined = join([first, further.isel(condition=slice(None, None, 2))])
+    assert (
+        joined.isel(condition=slice(0, 8, 2))
+        .drop_vars("processor_time")
+        .identical(whole.isel(condition=slice(0, 8, 2)).drop_vars("processor_time").assign_attrs(joined.attrs))
+    )
+    assert joined.mean_pressure.sel(surface=[2, 3, 4])[1::2].isnull().all()
+    assert joined.converged.sel(surface=[2, 3, 4])[1::2].max() == -1
+    twice = np.resize([2.0, 1.0], 8)
+    np.testing.assert_allclose(joined.processor_time / whole.processor_time, twice, rtol=1e-6)  # single precision
+    with pytest.raises(InputError, match="dataset 3: surface 2 of condition 1 is in another dataset; renumber it"):
+        join([first, further, whole.isel(surface=[1])])
+    with pytest.raises(InputError, match="dataset 2: condition 1 has another relative_adhesion in another dataset"):
+        join([first, further.assign(relative_adhesion=2 * further.relative_adhesion)])
+
+
 @pytest.mark.validation
 def test_datasets_that_do_not_join_are_one_line(tmp_path, capsys):
     data, out = str(atlas_tables.DATA), tmp_path / "wide.nc"
@@ -246,7 +294,7 @@ def test_datasets_that_do_not_join_are_one_line(tmp_path, capsys):
     atlas_tables.read(atlas_tables.DATA).drop_vars("mean_gap").to_netcdf(wrong)
     for others, words in (
         ([], "missing --others"),
-        (["--others", data], "dataset 2: condition 1 is in another dataset"),
+        (["--others", data], "dataset 2: surface 1 of condition 1 is in another dataset"),
         (["--others", str(wrong)], "mean_gap: is missing"),
     ):
         assert contact_atlas.main(["join", data, *others, "-o", str(out)]) == 1

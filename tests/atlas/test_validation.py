@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.atlas.collection import sealed
+from contact_study.atlas.joining import sealed
 from contact_study.atlas.validation import problems
 from contact_study.results.schema import variable_of
 
