@@ -46,16 +46,19 @@ def states(given: argparse.Namespace) -> Iterator[dict[str, Any]]:
 
 
 def rows(table: pd.DataFrame) -> Iterator[str]:
-    """The table's lines: the area at each pressure, in brackets where the state is not converged."""
-    pressures = sorted(table["pressure_GPa"].unique())
-    yield head("H", "q1/q0", "Δγ/U_full", "softening / K(q1)", *(f"A at {pressure:g} GPa" for pressure in pressures))
-    for (exponent, band, share), part in table.groupby(["H", "band", "share"]):
-        cells = []
-        for _, state in part.sort_values("pressure_GPa").iterrows():
-            area = "none" if np.isnan(state["area"]) else f"{state['area']:.3f}"
-            cells.append(area if state["converged"] or area == "none" else f"({area})")
-        softening = f"{part['softening'].iloc[0]:.2g}"
-        yield row(f"{exponent:g}", f"{band:.0f}", f"{share:g}", softening, *cells)
+    """The table's lines: areas at both pressures by strength, in brackets where the state is not converged."""
+    yield head("H", "q1/q0", *(f"Δγ/U_full = {share:g}" for share in sorted(table["share"].unique())))
+    for (exponent, band), part in table.groupby(["H", "band"]):
+        cells = [
+            "/".join(map(_cell, some.sort_values("pressure_GPa").itertuples())) for _, some in part.groupby("share")
+        ]
+        yield row(f"{exponent:g}", f"{band:.0f}", *cells)
+
+
+def _cell(state: Any) -> str:
+    if np.isnan(state.area):
+        return "none"
+    return f"{state.area:.3f}" if state.converged else f"({state.area:.3f})"
 
 
 main = tabulated(
