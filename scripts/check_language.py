@@ -25,7 +25,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory")
 SUMMARY_WORDS, SENTENCE_WORDS, NAME_CHARACTERS = 25, 40, 90
-BUDGETS = {"README.md": 700, "CHANGELOG.md": 1500, "docs": 47_800}  # words
+BUDGETS = {"README.md": 700, "CHANGELOG.md": 1500, "docs": 47_950}  # words
 BANNED = (
     "anew",
     "as ever",

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
@@ -23,6 +24,8 @@ from contact_study.physics.laws import LAWS
 from contact_study.physics.spheres.numbers import maugis_parameter
 from scripts.atlas_tables import AREA, LIGHTEST, MARKERS, by_number, deepest, lost_of, read, stress_of
 from scripts.harness import Option, minus, program, show
+from scripts.summit_losses import TABLE as SUMMITS_TABLE
+from scripts.summit_losses import ratio_of_summits
 from scripts.validate_hysteresis import JUMPING_DATA, LEAST, choosing_half
 from theory.edge_flow.apparent_adhesion import adhesion_ratio
 
@@ -30,6 +33,7 @@ ONSETS = 0.0, 1.1, 1.3, 1.5, 1.8, 2.3, 9.0  # bins of x
 RELOADED = 743, 889, 19, 1125, 127, 187, 577, 535  # conditions of small grids, by x
 TURN, LOWEST, STEPS = 0.4, 0.04, 7  # turning points over E* h'/2, and states of a way between them
 SHOWN = 1, 2, 3  # states after the turning point
+ADHESIONS = 0.0, 0.5, 1.0, 2.0, 3.1  # bins of θ
 LEAST_X = 1.2  # from which a loss over x² − 1 has a meaning
 FIRST_JUMPS = {"dugdale": 0.55}  # λ₁ where it is not the law's: first jumps of a sharp end, from ``scripts.jump_onset``
 SUMMITS = 1.66  # mean √(κ₁κ₂) of summits of a Gaussian surface over rms(∇²h)/2
@@ -45,7 +49,6 @@ FORMS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {  # of Γ �
     "x² − 1": lambda x, adhesion: x**2 - 1,
     "x_s² − 1": lambda x, adhesion: of_summits(x),
     "(x² − 1) min(1, 1/θ)": lambda x, adhesion: (x**2 - 1) * np.minimum(1, 1 / adhesion),
-    "(x_s² − 1) min(1, 1/θ)": lambda x, adhesion: of_summits(x) * np.minimum(1, 1 / adhesion),
 }
 
 
@@ -57,23 +60,22 @@ def losses(given: argparse.Namespace) -> None:
     """Print Γ_D = 1 + D/(Δγ ΔA) by x, beside Γ; D is lost from the lightest pressure to the preload and back.
 
     A second table has k by law: of the loss, in place of the area. A third has forms of Γ − 1 over k, with k of the
-    half of the conditions that chooses.
+    half of the conditions that chooses, and beside them Γ of summits that lose what they lose alone. A fourth has its
+    share of the loss by adhesion.
     """
-    found = [
-        (*pair, lost_by_asperities(one), one) for one in deepest(read(given.file)) if (pair := measured_ratio(one))
-    ]
-    number, ratio, asperities = np.array([each[:-1] for each in found]).T
-    law, share = np.array([str(each[-1]["law"].values) for each in found]), (ratio - 1) / asperities
+    found = [(*pair, one) for one in deepest(read(given.file)) if (pair := measured_ratio(one))]
+    number, ratio = np.array([each[:-1] for each in found]).T
+    law = np.array([str(each[-1]["law"].values) for each in found])
     adhesion = np.array([float(each[-1]["relative_adhesion"]) for each in found])
     chose = choosing_half()
     chooses = np.array([int(each[-1]["condition"]) in chose for each in found])
+    summits = np.array([_of_summits(each[0], each[-1]) for each in found])
     rows = []
     for _, some in _binned(number):
         words = f"{number[some].min():.2f} … {number[some].max():.2f}"
-        medians = (np.median(values[some]) for values in (ratio, adhesion_ratio(number)))
-        shares = f"{share[some].min():.2f} … {share[some].max():.2f}"
-        rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians), shares))
-    show(("x", "loops", "Γ_D: median", "Γ: median", "(Γ_D − 1) over that of single asperities"), rows)
+        medians = (np.median(values[some]) for values in (ratio, adhesion_ratio(number), summits))
+        rows.append((words, some.sum(), *(f"{median:.3f}" for median in medians)))
+    show(("x", "loops", "Γ_D: median", "Γ: median", "Γ of summits: median"), rows)
     print()
     rows = []
     for name, onset in [*((name, LAWS[name].jump_onset) for name in MARKERS), *FIRST_JUMPS.items()]:
@@ -88,10 +90,29 @@ def losses(given: argparse.Namespace) -> None:
         shape = form(np.where(law == "dugdale", number * LAWS["dugdale"].jump_onset / onset, number), adhesion)
         growth = _fitted(shape[chooses], ratio[chooses] - 1)
         errors = np.abs(1 + growth * shape - ratio)
-        means = (f"{errors[some].mean():.3f}" for some in (chooses, ~chooses))
-        rows.append((words, f"{onset:g}", f"{growth:.3f}", *means))
+        rows.append((words, f"{onset:g}", f"{growth:.3f}", *_of_halves(errors, chooses)))
+    rows.append(("summits, nothing fitted", "–", "–", *_of_halves(np.abs(summits - ratio), chooses)))
     columns = "mean size of Γ − Γ_D, half that chooses", "half that judges"
     show(("(Γ − 1)/k", "λ₁ of Dugdale's law", "k", *columns), rows)
+    print()
+    rows = []
+    for low, high in itertools.pairwise(ADHESIONS):
+        some = (adhesion >= low) & (adhesion < high)
+        if some.any():
+            share = (summits[some] - 1) / (ratio[some] - 1)
+            rows.append((f"{low:g} … {high:g}", some.sum(), _median_and_range(share, 2)))
+    show(("θ", "loops", "(Γ of summits − 1)/(Γ_D − 1): median (range)"), rows)
+
+
+def _of_halves(errors: np.ndarray, chooses: np.ndarray) -> list[str]:
+    return [f"{errors[some].mean():.3f}" for some in (chooses, ~chooses)]
+
+
+def _of_summits(number: float, one: xr.Dataset) -> float:
+    """Return Γ of the loop's summits, from x."""
+    law, reduced = str(one["law"].values), float(one["work_of_adhesion"] / one["contact_modulus"])
+    moments = float(one["rms_slope"]), float(one["rms_curvature"])
+    return ratio_of_summits(pd.read_csv(SUMMITS_TABLE), law, number * LAWS[law].jump_onset, moments, reduced)
 
 
 def _fitted(shape: np.ndarray, excess: np.ndarray) -> float:
@@ -112,26 +133,6 @@ def _median_and_range(values: np.ndarray, digits: int, of_range: int = 2) -> str
     if not known.size:
         return ""
     return f"{np.median(known):.{digits}f} ({known.min():.{of_range}f} … {known.max():.{of_range}f})"
-
-
-def lost_by_asperities(one: xr.Dataset) -> float:
-    """Return what summits lose apart from each other in JKR's limit, at a given separation, over Δγ and the cell.
-
-    In units of α = (Δγ R²/E*)^(1/3), JKR's energy at an approach δ is δ²a − ⅔ δa³ + a⁵/5 − π a² in those of Δγ α². A
-    summit jumps in at δ = 0, to a³ = 2π, and out at a³ = π/8. P. R. Nayak, J. Lubr. Technol. 93, 398 (1971), gives the
-    summits' density, m₄/(6√3 π m₂) by the moments of a profile.
-    """
-    slope, curvature = float(one["rms_slope"]), float(one["rms_curvature"])
-    radius, modulus, work = 1 / curvature, float(one["contact_modulus"]), float(one["work_of_adhesion"])
-    jump_in, pull_off = np.cbrt(2 * np.pi), np.cbrt(np.pi / 8)
-    approach = pull_off**2 - np.sqrt(2 * np.pi * pull_off)
-    lost = [
-        np.pi * jump_in**2 - jump_in**5 / 5,
-        approach**2 * pull_off - 2 / 3 * approach * pull_off**3 + pull_off**5 / 5 - np.pi * pull_off**2,
-    ]
-    profile = 3 / 8 * (2 * curvature) ** 2 / (slope**2 / 2)  # m₄/m₂; the rms curvature is half the rms Laplacian
-    density = profile / (6 * np.sqrt(3) * np.pi)
-    return float(density * sum(lost) * np.cbrt(work * radius**2 / modulus) ** 2)
 
 
 def preloads(given: argparse.Namespace) -> None:
