@@ -120,7 +120,7 @@ def test_a_short_range_loses_the_steps_of_jkrs_energy():
 def test_losses_of_an_asperity_repeat_on_a_coarser_grid():
     published = pd.read_csv(summit_losses.TABLE).set_index(["law", "number"])["loss"]
     found = summit_losses.loss("lennard_jones_10_4", 1.6, 64, 40)
-    assert found == pytest.approx(published["lennard_jones_10_4", 1.6], rel=0.03)  # measured 1 %
+    assert found == pytest.approx(published["lennard_jones_10_4", 1.6], rel=0.03)  # measured 2.3 %
     assert abs(summit_losses.loss("exponential", 0.6, 32, 30)) < 1e-3
 
 
