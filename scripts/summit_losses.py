@@ -1,7 +1,7 @@
 """What one asperity loses in a loop of approach and retraction, by Maugis' number and law, as Markdown.
 
-The asperity is a paraboloid on a half-space with free boundaries, under prescribed approach. On 128² points, or in twice
-the steps, losses differ by 2 % at most; those of Dugdale's law at λ = 2.5 by 6 %.
+The asperity is a paraboloid on a half-space with free boundaries, under prescribed approach. On 128² points, or in
+twice the steps, losses differ by 2 % at most; those of Dugdale's law at λ = 2.5 by 6 %.
 
 python -m scripts.summit_losses --table data/summit_losses.csv     # a few minutes
 python -m scripts.summit_losses --from data/summit_losses.csv
