@@ -35,6 +35,8 @@ def run(given: argparse.Namespace) -> int:
 def compute(given: argparse.Namespace) -> int:
     """Run the conditions, those of small grids first; --minutes ends before the next one."""
     began = time.monotonic()
+    if not 1 <= given.first_surface <= given.surfaces:
+        raise InputError(f"--first-surface {given.first_surface}: expected 1 to {given.surfaces}, the --surfaces")
     every = _conditions(given)
     refined = _refined(every, len(every) // 10 if given.refined is None else given.refined)
     conditions = _part(sorted(every, key=lambda one: one.points), given.part)
@@ -141,7 +143,7 @@ main = program(
     Option("--preloads", list(PRELOADS), "of the loops, over E* h'/2"),
     Option("--folder", "build/atlas", "folder of the runs"),
     Option("--surfaces", SURFACES, "surfaces of each condition"),
-    Option("--first-surface", 1, "first surface that is run, where another dataset has those before"),
+    Option("--first-surface", 1, "first surface that is run, in a folder of its own, where a dataset has those before"),
     Option("--part", "1/1", "K/N: every N-th condition from the K-th on, for job arrays"),
     Option("--workers", 1, "processes for loops of a condition"),
     Option("--refined", int, "conditions that run on half and twice the points, too; default: a tenth"),

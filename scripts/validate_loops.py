@@ -40,14 +40,14 @@ SUMMITS = 1.66  # mean √(κ₁κ₂) of summits of a Gaussian surface over rms
 OPEN = 0.004  # area between the branches where a share of it has a meaning
 
 
-def of_summits(x: np.ndarray) -> np.ndarray:
+def of_mean_summit(x: np.ndarray) -> np.ndarray:
     """Return x² − 1 of the mean summit from x of the mean asperity, 0 below one."""
     return np.maximum(x**2 / SUMMITS ** (2 / 3) - 1, 0)
 
 
 FORMS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {  # of Γ − 1 over k, by x and θ
     "x² − 1": lambda x, adhesion: x**2 - 1,
-    "x_s² − 1": lambda x, adhesion: of_summits(x),
+    "x_s² − 1": lambda x, adhesion: of_mean_summit(x),
     "(x² − 1) min(1, 1/θ)": lambda x, adhesion: (x**2 - 1) * np.minimum(1, 1 / adhesion),
 }
 
@@ -69,7 +69,8 @@ def losses(given: argparse.Namespace) -> None:
     adhesion = np.array([float(each[-1]["relative_adhesion"]) for each in found])
     chose = choosing_half()
     chooses = np.array([int(each[-1]["condition"]) in chose for each in found])
-    summits = np.array([_of_summits(each[0], each[-1]) for each in found])
+    single = pd.read_csv(SUMMITS_TABLE)
+    summits = np.array([_sum_of_summits(single, each[0], each[-1]) for each in found])
     rows = []
     for _, some in _binned(number):
         words = f"{number[some].min():.2f} … {number[some].max():.2f}"
@@ -108,11 +109,11 @@ def _of_halves(errors: np.ndarray, chooses: np.ndarray) -> list[str]:
     return [f"{errors[some].mean():.3f}" for some in (chooses, ~chooses)]
 
 
-def _of_summits(number: float, one: xr.Dataset) -> float:
-    """Return Γ of the loop's summits, from x."""
+def _sum_of_summits(single: pd.DataFrame, number: float, one: xr.Dataset) -> float:
+    """Return Γ of the loop's summits, from x and the losses of single ones."""
     law, reduced = str(one["law"].values), float(one["work_of_adhesion"] / one["contact_modulus"])
     moments = float(one["rms_slope"]), float(one["rms_curvature"])
-    return ratio_of_summits(pd.read_csv(SUMMITS_TABLE), law, number * LAWS[law].jump_onset, moments, reduced)
+    return ratio_of_summits(single, law, number * LAWS[law].jump_onset, moments, reduced)
 
 
 def _fitted(shape: np.ndarray, excess: np.ndarray) -> float:

@@ -183,7 +183,7 @@ def run_condition(
     surfaces : int, optional
         Number of surfaces.
     refinements : sequence of float, optional
-        Further grids of the first surface, for the loop to the largest preload.
+        Further grids of surface 1, for the loop to the largest preload; none where it is not run.
     workers : int, optional
         Number of processes.
     preloads : sequence of float, optional
@@ -197,7 +197,7 @@ def run_condition(
     for path, some in loop_files(condition, folder, seeds).items():
         to = preloads if surface_of(condition, some[0]) == 1 else preloads[-1:]
         loops.append(_run(study_of(condition, some, preloads=to), "continuum", path, workers))
-    for factor in refinements:
+    for factor in refinements if first == 1 else ():
         study = study_of(condition, seeds[:1], factor, preloads[-1:])
         _run(study, "continuum", file_of(folder, condition, f"grid{factor:g}"), workers)
     for found in loops:

@@ -141,8 +141,9 @@ def test_a_condition_widens_by_a_surface_and_its_processor_time(folder, dataset,
 
 @pytest.mark.validation
 def test_further_surfaces_are_run_alone_and_joined(folder, dataset, tmp_path):
-    run_condition(CONDITION, tmp_path, 2, preloads=PRELOADS, first=2)
+    run_condition(CONDITION, tmp_path, 2, (0.5,), preloads=PRELOADS, first=2)
     assert not loops.file_of(tmp_path, CONDITION).exists()
+    assert not loops.file_of(tmp_path, CONDITION, "grid0.5").exists()  # those are of the first surface
     further = collect([CONDITION], tmp_path, 2)
     assert further.surface.values.tolist() == [2]
     joined = join([dataset.isel(surface=[0]), further])
@@ -329,6 +330,9 @@ def test_parts_of_a_job_array_share_the_conditions(monkeypatch, tmp_path, capsys
     assert [part for part, _ in ran] == ["1/2"] * 3 + ["2/2"] * 3
     assert contact_atlas.main(["run", "--part", "3/2"]) == 1
     assert "--part 3/2: expected K/N" in capsys.readouterr().err
+    for first in ("5", "0"):
+        assert contact_atlas.main(["run", "--first-surface", first]) == 1
+        assert f"--first-surface {first}: expected 1 to 4" in capsys.readouterr().err
 
 
 @pytest.mark.validation

@@ -148,7 +148,7 @@ def test_the_curvature_of_summits_is_that_of_a_gaussian_surface():
     assert ratio == pytest.approx(validate_loops.SUMMITS, abs=0.005)  # of its digits
     onset = validate_loops.SUMMITS ** (1 / 3)  # λ is as the cube root of the radius
     np.testing.assert_allclose(
-        validate_loops.of_summits(np.array([1.0, onset, np.sqrt(2) * onset])), [0, 0, 1], atol=1e-9
+        validate_loops.of_mean_summit(np.array([1.0, onset, np.sqrt(2) * onset])), [0, 0, 1], atol=1e-9
     )
 
 

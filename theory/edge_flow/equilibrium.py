@@ -232,8 +232,8 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
     def passed(state: Equilibrium) -> bool:
         return bool(state.gap <= near and -(state.weights @ problem.traction) >= highest)
 
-    def solved(states: list[Equilibrium]) -> list[Equilibrium]:
-        return [state for state in states if state.change <= problem.tolerance]
+    def solved(states: list[Equilibrium], tolerance: float = problem.tolerance) -> list[Equilibrium]:
+        return [state for state in states if state.change <= tolerance]
 
     def keep(states: list[Equilibrium]) -> None:
         if len(states) >= options.fewest:
@@ -273,7 +273,7 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
         accurate = replace(problem, tolerance=finer * problem.tolerance, iterations=longer * problem.iterations)
         start = accurate.solve(float(x[max(int(np.searchsorted(x, deepest)), 1)]), problem.local())
         outward, _ = _follow(accurate, start, 1, lambda state: state.gap >= last, 1)
-        keep([state for state in reversed(outward) if state.gap < last and state.change <= accurate.tolerance])
+        keep([state for state in reversed(solved(outward, accurate.tolerance)) if state.gap < last])
     return (tuple(pieces), lost) if pieces else ((tuple(approached),), 0)
 
 
